@@ -90,17 +90,17 @@ report: searched shapes  ## both with a page of the signals of every stop (minut
 	$(PROGRAM) report build/shapes
 
 conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
-	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml $(OPTIONS)
-	$(PROGRAM) maintain conditioning harness/scenario/campaigns/shapes.toml --repeats 8 --stops '*-adhesion_literal' $(OPTIONS)
+	$(RUN) tools conditioning harness/scenario/campaigns/table1.toml $(OPTIONS)
+	$(RUN) tools conditioning harness/scenario/campaigns/shapes.toml --repeats 8 --stops '*-adhesion_literal' $(OPTIONS)
 
 conditioning-omc: $(READY)  ## add distances with FMUs of OpenModelica, which must be on the PATH, for docs/validation.md (an hour)
 	@command -v omc >/dev/null || { echo "conditioning-omc needs OpenModelica's omc on the PATH"; exit 2; }
-	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml --repeats 3 $(OPTIONS)
-	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml --repeats 8 --stops '*-adhesion_literal' $(OPTIONS)
-	$(PROGRAM) maintain conditioning harness/scenario/campaigns/adverse.toml --repeats 3 $(OPTIONS)
+	$(RUN) tools conditioning harness/scenario/campaigns/table1.toml --repeats 3 $(OPTIONS)
+	$(RUN) tools conditioning harness/scenario/campaigns/table1.toml --repeats 8 --stops '*-adhesion_literal' $(OPTIONS)
+	$(RUN) tools conditioning harness/scenario/campaigns/adverse.toml --repeats 3 $(OPTIONS)
 
 discretisation: fmus  ## repeat the stops of the table with smaller communication steps (hours)
-	$(PROGRAM) maintain discretisation harness/scenario/campaigns/table1.toml --only steps $(OPTIONS)
+	$(RUN) tools discretisation harness/scenario/campaigns/table1.toml --only steps $(OPTIONS)
 
 CONVERGENCE := harness/scenario/campaigns/convergence
 NUDGED      := --repeats 10 --relative 1e-5 --lots 0
@@ -108,19 +108,19 @@ TOLERANCES  := --repeats 8 --only tolerances
 
 # Parameters move by as much as the tolerance of the recipe, so that ranges include what errors of that size do to a stop.
 convergence: $(READY)  ## stops with both mechanics at four tolerances of the solver, for docs/validation.md (hours)
-	$(PROGRAM) maintain conditioning $(CONVERGENCE).toml $(NUDGED) $(OPTIONS)
-	$(PROGRAM) maintain conditioning $(CONVERGENCE)_trains.toml $(NUDGED) $(OPTIONS)
-	$(PROGRAM) maintain discretisation $(CONVERGENCE).toml $(TOLERANCES) $(OPTIONS)
-	$(PROGRAM) maintain discretisation $(CONVERGENCE)_trains.toml $(TOLERANCES) $(OPTIONS)
-	$(PROGRAM) maintain validation
+	$(RUN) tools conditioning $(CONVERGENCE).toml $(NUDGED) $(OPTIONS)
+	$(RUN) tools conditioning $(CONVERGENCE)_trains.toml $(NUDGED) $(OPTIONS)
+	$(RUN) tools discretisation $(CONVERGENCE).toml $(TOLERANCES) $(OPTIONS)
+	$(RUN) tools discretisation $(CONVERGENCE)_trains.toml $(TOLERANCES) $(OPTIONS)
+	$(RUN) tools validation
 
 headlines: conditioning discretisation  ## all numbers of the table anew, into baselines and docs: make headlines REASON='…'
 	-$(PROGRAM) maintain regress --baselines $(BASELINES)
 	$(PROGRAM) maintain accept --baselines $(BASELINES) --reason '$(REASON)'
-	$(PROGRAM) maintain validation
+	$(RUN) tools validation
 
 validation: $(READY)  ## write the accepted braking distances into docs/validation.md
-	$(PROGRAM) maintain validation
+	$(RUN) tools validation
 
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
 	$(PROGRAM) maintain regress --baselines $(BASELINES)
@@ -136,7 +136,7 @@ accept: $(READY)  ## move the baselines to the last regress: make accept REASON=
 	$(PROGRAM) maintain accept --baselines $(BASELINES) --reason '$(REASON)'
 
 calibrate: fmus  ## fit the levels of the scenarios to the published distances of slip-based control (minutes)
-	$(PROGRAM) maintain calibrate $(OPTIONS)
+	$(RUN) tools calibrate $(OPTIONS)
 
 tune-control: fmus  ## search the parameters of slip- and adhesion-based control on rails kept for that (an hour)
 	$(PROGRAM) maintain tune-control $(OPTIONS)
@@ -217,8 +217,8 @@ estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' fi
 	$(PROGRAM) study field_test $(OPTIONS)
 
 tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/studies/field_test/library
-	$(PROGRAM) maintain tune paper --out harness/studies/field_test/library/paper.toml $(OPTIONS)
-	$(PROGRAM) maintain tune consistent --out harness/studies/field_test/library/consistent.toml $(OPTIONS)
+	$(RUN) tools tune paper --out harness/studies/field_test/library/paper.toml $(OPTIONS)
+	$(RUN) tools tune consistent --out harness/studies/field_test/library/consistent.toml $(OPTIONS)
 
 lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/index.html
 	$(PROGRAM) study lateral $(OPTIONS)

@@ -3,19 +3,18 @@
 import io
 import os
 import sys
+from importlib import import_module
 
 from railgrip.base.interrupted import Interrupted, listen, stop_listening
 
 
-def main(arguments: list[str] | None = None) -> None:
-    """Run the command line; Ctrl-C and SIGTERM end it with a sentence, after open files and processes are closed."""
+def main(arguments: list[str] | None = None, module: str = "railgrip.cli.app") -> None:
+    """Run the `main` of a module; Ctrl-C and SIGTERM end it with a sentence, after files and processes are closed."""
     listen()
     _open_standard_streams()
     _write_unicode()
     try:
-        from railgrip.cli.app import main as command_line
-
-        command_line(arguments)
+        import_module(module).main(arguments)
     except Interrupted as end:
         stop_listening()
         print(f"{end}; {end.kept}.", file=sys.stderr)

@@ -17,7 +17,7 @@ from hypothesis import settings
 # Set before NumPy is imported: matrices here are small, and on a busy machine threads that wait for each other take
 # minutes for work that a single thread does in a second.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "tools")]
 
 # Python looks for cycles after every 700 new objects: with thousands of tests in memory that is a tenth of the time.
 gc.set_threshold(50_000, 20, 50)

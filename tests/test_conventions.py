@@ -7,7 +7,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 MODULES = [
-    path for folder in ("fmus", "estimators", "controllers", "harness") for path in (ROOT / folder).rglob("*.py")
+    path
+    for folder in ("fmus", "estimators", "controllers", "harness", "tools")
+    for path in (ROOT / folder).rglob("*.py")
 ]
 
 

@@ -8,12 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import railgrip as rg
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
-from railgrip.cli.app import app
 from railgrip.estimation.spec import LIBRARY
 
 
@@ -254,7 +252,7 @@ def commands(folder, laws):
     return {
         "run": ["run", str(folder / "wagon.toml"), *short],
         "campaign": ["campaign", str(folder / "campaign.toml"), "--workers", "1", *short],
-        "conditioning": ["maintain", "conditioning", str(folder / "conditioning.toml"), "--workers", "1", *repeats],
+        "conditioning": ["tools", "conditioning", str(folder / "conditioning.toml"), "--workers", "1", *repeats],
         "estimate": ["estimate", str(LIBRARY / "wagon.toml"), "--scenario", str(folder / "wagon.toml")],
         "observability": ["observability", str(LIBRARY / "wagon.toml"), "--scenario", str(folder / "wagon.toml")],
     }
@@ -273,11 +271,11 @@ def test_commands_import_from_the_folders_on_their_command_line(name, laws, tmp_
     assert (tmp_path / "imported").exists()
 
 
-def test_every_command_that_runs_scenarios_accepts_folders():
+def test_every_command_that_runs_scenarios_accepts_folders(command):
     studies = ("study type_test", "study k_factors", "study field_test")
-    maintenance = ("maintain conditioning", "maintain regress", "maintain tune")
-    for command in ("run", "campaign", "estimate", "observability", *studies, *maintenance):
-        assert "--import-from" in CliRunner().invoke(app, [*command.split(), "--help"]).output, command
+    tools = ("tools conditioning", "tools tune")
+    for words in ("run", "campaign", "estimate", "observability", "maintain regress", *studies, *tools):
+        assert "--import-from" in command(*words.split(), "--help").out, words
 
 
 # Values in a wrong unit, and out of range

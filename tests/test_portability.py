@@ -15,7 +15,9 @@ from railgrip.scenario.load import load, scenario_of
 
 ROOT = Path(__file__).parents[1]
 SOURCES = sorted(
-    path for folder in ("harness", "estimators", "controllers", "fmus") for path in (ROOT / folder).rglob("*.py")
+    path
+    for folder in ("harness", "estimators", "controllers", "fmus", "tools")
+    for path in (ROOT / folder).rglob("*.py")
 )
 POSIX_MODULES = {"fcntl", "grp", "posix", "pwd", "resource", "termios"}
 POSIX_NAMES = {

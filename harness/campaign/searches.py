@@ -1,25 +1,19 @@
-"""Search numbers: levels of the low-adhesion scenarios, and parameters of brake control on rails of their own.
+"""Search the parameters of brake control on rails of their own.
 
-*Levels.* Schwarz, Posielek and Goetjes (2021) give the friction of their scenarios only as a figure without numbers,
-and do not state their Polach parameters. One factor on the friction of each scenario is fitted, for each shape of the
-creep curve, so that slip-based two-level control with ideal actuation and sensors stops in the distance of their Table
-1. All other entries of the table, above all those of adhesion-based control, are then predictions.
-
-*Parameters.* The table of braking distances predicts the performance of a controller only if its parameters were not
-chosen by that table, and compares controllers fairly only if all were tuned with the same effort. So the parameters of
-all of them, adhesion-based control and the slip-based control that it is compared with, are searched here, by
-differential evolution (Storn and Price, 1997) over the campaign `training`, whose rails differ from those of every
-other campaign in shape, level, speed and draw; or, for the type test, over a separate set of cases.
+The table of braking distances predicts the performance of a controller only if its parameters were not chosen by that
+table, and compares controllers fairly only if all were tuned with the same effort. So the parameters of all of them,
+adhesion-based control and the slip-based control that it is compared with, are searched here, by differential evolution
+(Storn and Price, 1997) over the campaign `training`, whose rails differ from those of every other campaign in shape,
+level, speed and draw; or, for the type test, over a separate set of cases.
 """
 
 import math
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 from scipy.optimize import Bounds, differential_evolution
@@ -27,107 +21,12 @@ from scipy.stats.qmc import Sobol
 
 from railgrip.base import registry
 from railgrip.base.arrays import Vector
-from railgrip.base.files import write_text
-from railgrip.campaign.workers import workers
 from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.law import Ranges as LawRanges
 from railgrip.controllers.parameters import SEARCHED, TYPE_TEST, SlipSource, file_of, tuned_values
 from railgrip.scenario.campaign import PlannedStop, load_campaign
-from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import braking_distance
-
-TARGETS = {"trapezoid": 382.9, "sine_sweep": 316.2, "random": 339.6}
-"""Braking distance of slip-based control [m]: Schwarz, Posielek and Goetjes (2021), Table 1."""
-
-SHAPES = ("dry", "wet", "low_steep", "poor_wheelset_study")
-"""Published shapes of the creep curve for which levels are fitted."""
-
-LIBRARY = Path(__file__).parents[1] / "scenario" / "library"
-
-_CLOSE = 0.05  # m: the table has tenths of a metre; the required bound is 1 %, some 3 m
-_ROUNDS = 25
-
-
-class FittedLevel(NamedTuple):
-    """Scenario of the library, named Polach set, factor on the friction, and the resulting distance [m] of SBC."""
-
-    scenario: str
-    shape: str
-    level: float
-    distance: float
-
-
-def calibrate(scenarios: Sequence[str], folder: Path, notify: Callable[[FittedLevel], None]) -> list[FittedLevel]:
-    """Fit the levels of scenarios of the library for every shape of the creep curve; write their files to a folder.
-
-    Raises:
-        ArithmeticError: The distance is not reached with a level from 0.3 to 3.
-    """
-    fits: list[FittedLevel] = []
-    with workers(2) as pool:
-        futures = [pool.submit(fit, scenario, shape) for scenario in scenarios for shape in SHAPES]
-        for answer in futures:
-            fits.append(answer.result())
-            notify(fits[-1])
-    for scenario in scenarios:
-        text = (LIBRARY / f"{scenario}.toml").read_text(encoding="utf-8")
-        levels = {fit.shape: fit.level for fit in fits if fit.scenario == scenario}
-        write_text(folder / f"{scenario}.toml", with_levels(text, levels))
-    return fits
-
-
-def fit(scenario: str, shape: str, library: Path = LIBRARY) -> FittedLevel:
-    """Find the level at which slip-based control stops in the published distance, by regula falsi (Illinois).
-
-    Raises:
-        ArithmeticError: The distance is not reached with a level from 0.3 to 3.
-    """
-    target = TARGETS[scenario]
-
-    def excess(level: float) -> float:
-        overrides = [
-            "controller.kind=slip_two_state",
-            "estimator.kind=none",
-            f"adhesion.polach={shape}",
-            f"adhesion.calibrated.{shape}={level!r}",
-        ]
-        distance = braking_distance(load(library / f"{scenario}.toml", overrides))
-        # A train that slides until the horizon is on a rail that is far too slippery.
-        return 1e3 if distance is None else distance - target
-
-    low, high = 0.6, 1.6
-    over, under = excess(low), excess(high)
-    while over < 0.0 and low > 0.3:
-        low *= 0.8
-        over = excess(low)
-    while under > 0.0 and high < 3.0:
-        high *= 1.2
-        under = excess(high)
-    if over < 0.0 or under > 0.0:
-        raise ArithmeticError(f"{scenario}, {shape}: no level between 0.3 and 3 stops in {target} m.")
-    level, residual = low, over
-    for _ in range(_ROUNDS):
-        # The file has five digits; finer steps would change the distance by less than the tolerance.
-        level = round(low + (high - low) * over / (over - under), 5)
-        residual = excess(level)
-        if abs(residual) < _CLOSE or high - low < 2e-5:
-            break
-        if residual > 0.0:
-            low, over, under = level, residual, 0.5 * under
-        else:
-            high, under, over = level, residual, 0.5 * over
-    return FittedLevel(scenario, shape, level, target + residual)
-
-
-def with_levels(text: str, levels: dict[str, float]) -> str:
-    """Return the text of a scenario file with other calibrated levels; all other lines are unchanged."""
-    line = "calibrated = { " + ", ".join(f"{shape} = {level:.5f}" for shape, level in levels.items()) + " }"
-    result, count = re.subn(r"(?m)^calibrated = .*$", line, text)
-    if count != 1:
-        raise ValueError("a scenario of the library has exactly one line 'calibrated = …' in [adhesion]")
-    return result
-
 
 RAILS = Path(__file__).parents[1] / "scenario" / "campaigns" / "training.toml"
 EQUIPMENT = {"ideal": "ideal", "pneumatic": "service"}

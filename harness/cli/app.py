@@ -320,18 +320,9 @@ class _Maintain(Commands):
         "Baselines": {
             "regress": Command("baselines:regress", "Run everything that has a baseline and compare every number."),
             "accept": Command("baselines:accept", "Update the baselines to the results of the last regress."),
-            "validation": Command("baselines:validation", "Write the accepted distances into the documentation."),
-            "conditioning": Command("baselines:conditioning", "Repeat stops with other parameters and sensors."),
-            "discretisation": Command(
-                "baselines:discretisation", "Repeat stops with smaller steps and other tolerances."
-            ),
         },
         "FMUs": {"fmus": Command("fmus:survey_command", "Open and step the FMUs of a folder; write a table.")},
-        "Searches": {
-            "calibrate": Command("searches:calibrate", "Fit the levels of the scenarios to the published distances."),
-            "tune-control": Command("searches:tune_control", "Search the parameters of the control laws."),
-            "tune": Command("searches:tune", "Search the twelve noises of the field test's filter."),
-        },
+        "Searches": {"tune-control": Command("searches:tune_control", "Search the parameters of the control laws.")},
     }  # fmt: skip
 
 

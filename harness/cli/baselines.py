@@ -1,8 +1,7 @@
-"""Commands for accepted numbers: compare them, accept new ones, write them to the documentation, repeat stops."""
+"""Commands for accepted numbers: compare them, and accept new ones."""
 
 import shlex
 from collections.abc import Sequence
-from fnmatch import fnmatch
 from pathlib import Path
 from typing import Annotated
 
@@ -10,21 +9,10 @@ import typer
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_text
-from railgrip.base.registry import shelf
-from railgrip.campaign.conditioning import (
-    Refinement,
-    campaign_of,
-    conditioning_of,
-    merged,
-    repeats_of,
-    with_refinement,
-)
 from railgrip.campaign.run import CampaignRun
-from railgrip.campaign.work import work
 from railgrip.campaign.workers import shared_pool
-from railgrip.cli.app import BASELINES, RUN_FAILED, AsJson, Fresh, ImportFrom, Workers, print_json
+from railgrip.cli.app import BASELINES, RUN_FAILED, AsJson, ImportFrom, Workers, print_json
 from railgrip.cli.campaigns import run_campaigns
-from railgrip.fmus.build import choose
 from railgrip.report.baseline import (
     Baseline,
     BaselineComparison,
@@ -38,20 +26,10 @@ from railgrip.report.baseline import (
     write_findings,
 )
 from railgrip.report.baseline import accept as accept_numbers
-from railgrip.report.console import complain, say, show_table
+from railgrip.report.console import complain, show_table
 from railgrip.report.junit import junit_xml
 from railgrip.report.results import read_results
-from railgrip.report.table import ReportTable, write_tables, yes_no
-from railgrip.report.validation import (
-    CONVERGENCE,
-    CONVERGENCE_CAMPAIGNS,
-    TABLES,
-    compilers_table,
-    steps_table,
-    tolerances_table,
-)
-from railgrip.scenario.campaign import Campaign, load_campaign
-from railgrip.scenario.conditioning import RepeatedDistances, read_conditioning, text_of
+from railgrip.scenario.campaign import load_campaign
 from railgrip.studies.study import headlines
 
 REGRESS = Path("build/regress")
@@ -144,152 +122,6 @@ def accept(
         )
         write_baseline(after, path)
         show_table(comparison_table(changes, f"{path.name}: accepted"), "nothing changed")
-
-
-def validation(
-    baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
-    docs: Annotated[Path, typer.Option(help="Folder of the pages.")] = Path("docs"),
-) -> None:
-    """Write the accepted distances into the documentation."""
-    # Imported here, because only this command draws and needs matplotlib.
-    from railgrip.report.style import save
-    from railgrip.report.validation import BASELINE, FILE, distances_figure
-
-    path = baselines / f"{BASELINE}.toml"
-    accepted = _baseline_of_campaign(path)
-    figure, numbers = distances_figure(load_campaign(path.parent / str(accepted.campaign)), accepted)
-    say(str(save(figure, docs / FILE, numbers)))
-    compared: list[tuple[Campaign, Baseline]] = []
-    for name, (page, tables_of) in TABLES.items():
-        path = baselines / f"{name}.toml"
-        accepted = _baseline_of_campaign(path)
-        compared.append((load_campaign(path.parent / str(accepted.campaign)), accepted))
-        write_tables(docs / page, tables_of(*compared[-1]))
-        say(str(docs / page))
-    page = docs / CONVERGENCE
-    campaigns = [load_campaign(shelf("campaigns")[name]) for name in CONVERGENCE_CAMPAIGNS]
-    write_tables(page, {"tolerances": tolerances_table(*campaigns), "compilers": compilers_table(*compared)})
-
-
-def _baseline_of_campaign(path: Path) -> Baseline:
-    accepted = load_baseline(path)
-    if accepted.campaign is None:
-        raise ScenarioError(f"{path}: is the baseline of a study, but the table shows a campaign")
-    return accepted
-
-
-def conditioning(
-    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")],
-    repeats: Annotated[int, typer.Option(min=2, max=1000, help="Of each stop.")] = 20,
-    relative: Annotated[float, typer.Option(min=1e-15, max=1e-2, help="Largest change of a parameter.")] = 1e-7,
-    lots: Annotated[
-        int, typer.Option(min=0, max=1000, help="Number of sensor lots, for stops whose sensors have errors.")
-    ] = 20,
-    stops: Annotated[
-        str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
-    ] = "*",
-    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("build/conditioning"),
-    workers: Workers = 2,
-    fresh: Fresh = False,
-    import_from: ImportFrom = None,
-) -> None:
-    """Repeat stops with other parameters and sensors."""
-    loaded, selection, place = _conditioned(file, stops, "the file to write")
-    if not selection.stops:
-        raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {loaded.stops[0].name} and others")
-    before = read_conditioning(place).stops if place.exists() else {}
-    others = _previous_repeats(place, relative) if before and (stops != "*" or choose("auto") != "native") else {}
-    compiler = choose("auto")
-    # One repeat by another compiler suffices for a stop whose distance hardly depends on the parameters; sensors do not
-    # depend on the compiler.
-    once = {name for name, stop in before.items() if compiler != "native" and stop.is_smooth}
-    repetitions = {
-        stop.name: repeats_of(
-            stop,
-            count=1 if stop.name in once else repeats,
-            lots=lots if compiler == "native" else 0,
-            relative=relative,
-        )
-        for stop in selection.stops
-    }
-    directory = out / loaded.name
-    problem = run_campaigns(
-        [CampaignRun(campaign_of(selection, repetitions), directory)],
-        workers=workers,
-        fresh=fresh,
-        import_from=import_from or (),
-    )
-    # A repeat without standstill counts as an infinite distance; a repeat that failed has no result, and nothing is
-    # written.
-    results = conditioning_of(selection, repetitions, directory, relative)
-    kept = merged(results.stops, before, compiler)
-    write_text(place, text_of(results.model_copy(update={"stops": others | kept})))
-    rows = [
-        {"stop": name, "shortest": stop.lowest, "median": stop.median, "longest": stop.highest, "spreads": stop.spreads}
-        | ({"lots": stop.lots_text} if lots else {})
-        for name, stop in results.stops.items()
-    ]
-    metres = dict.fromkeys(("shortest", "median", "longest"), "{:.2f} m")
-    show_table(ReportTable(rows, {**metres, "spreads": yes_no}))
-    say(str(place))
-    if problem:
-        raise typer.Exit(problem)
-
-
-def discretisation(
-    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")],
-    repeats: Annotated[
-        int, typer.Option(min=1, max=1000, help="Repeats of each stop whose distance depends on rounding.")
-    ] = 5,
-    stops: Annotated[
-        str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
-    ] = "*",
-    only: Annotated[Refinement | None, typer.Option(help="Only the steps, or only the tolerances.")] = None,
-    workers: Workers = 2,
-    fresh: Fresh = False,
-) -> None:
-    """Repeat stops with smaller steps and other tolerances.
-
-    Communication steps are half and a quarter of that of the scenario, tolerances of the plant's solver 1e-4 to 1e-7.
-    The distances are added to the file of conditioning, whose repeats have the whole step and the tolerance of the
-    plant. `railgrip maintain validation` writes the tables of the documentation from it.
-    """
-    _, selection, place = _conditioned(file, stops, "the file of the repeats")
-    before = read_conditioning(place)
-    without: dict[str, str] = {}
-    kinds: tuple[Refinement, ...] = ("steps", "tolerances")
-    for of in kinds if only is None else (only,):
-        with work("discretisation", workers=workers, fresh=fresh) as tasks:
-            refined, reasons = with_refinement(selection, before, tasks, of=of, count=repeats)
-        before = before.model_copy(update={"stops": before.stops | refined})
-        without |= reasons
-        write_text(place, text_of(before))
-    for name, reason in without.items():
-        say(f"{name}: {reason}")
-    show_table(steps_table(selection))
-    show_table(tolerances_table(selection))
-    say(str(place))
-
-
-def _conditioned(file: Path, stops: str, what: str) -> tuple[Campaign, Campaign, Path]:
-    """Return a campaign, those of its stops whose names match a pattern, and its file of conditioning.
-
-    Raises:
-        ScenarioError: The campaign names no such file; `what` describes it.
-    """
-    loaded = load_campaign(file)
-    if loaded.conditioning is None:
-        raise ScenarioError(f"{file.name}: has no key 'conditioning'; it must name {what}")
-    return loaded, loaded.only(lambda stop: fnmatch(stop.name, stops)), loaded.conditioning
-
-
-def _previous_repeats(path: Path, relative: float) -> dict[str, RepeatedDistances]:
-    before = read_conditioning(path)
-    if before.relative != relative:
-        raise ScenarioError(
-            f"--relative {relative:g}: what stays in {path.name} was moved by {before.relative:g}; leave --stops out"
-        )
-    return before.stops
 
 
 def _numbers_of(

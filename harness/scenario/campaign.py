@@ -105,7 +105,7 @@ class CampaignFile(Table):
         description="outcomes of stops that do not end with a standstill; of several that match, the first",
     )
     conditioning: str | None = Field(
-        default=None, description="file that `railgrip maintain conditioning` writes, from this one's folder"
+        default=None, description="file of repeated stops, as `make conditioning` writes, from this one's folder"
     )
     permitted_distance: Annotated[float, UnitRange("m", above=0)] | None = Field(
         default=None, description="greatest distance of a stop; the page has the share of draws that exceed it"

@@ -1,8 +1,7 @@
 """Repeats of the stops of a campaign: with perturbed parameters of the plant, and with different sensor errors.
 
 Perturbations in the seventh digit identify distances that depend on rounding. A lot of sensors is one draw of their
-errors and noise; a distance with one lot is one draw, too. The file of a campaign is written by `railgrip maintain
-conditioning`.
+errors and noise; a distance with one lot is one draw, too. The file of a campaign is written by `make conditioning`.
 """
 
 import json
@@ -211,7 +210,7 @@ def read_conditioning(path: Path) -> ConditioningFile:
         table = parse_json(path, read_bytes(path, LARGEST_JSON))
     except InputError as problem:
         is_missing = isinstance(problem.__cause__, FileNotFoundError)
-        hint = "; `railgrip maintain conditioning FILE.toml` writes it" if is_missing else ""
+        hint = "; `make conditioning` writes those of this project" if is_missing else ""
         raise ScenarioError(f"{problem}{hint}") from problem
     return validate_table(ConditioningFile, table, directory=path.parent, origin=path.name)
 

@@ -17,10 +17,11 @@ from typing import Any
 
 import pytest
 from command_line import done
+from commands import tools
 from one_process import one_process
 from typer.main import get_command
 
-from railgrip.cli.app import app
+from railgrip.cli.app import app, command_of
 from railgrip.fmus.recipe import write_lock
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="make and links to an environment")
@@ -74,10 +75,10 @@ COMMANDS = {
     "observability rig_own --data out/rig/trace.nc --out out/observed": "out/observed/observability.csv",
     "monitor out/stops --out out/monitor.png": "out/monitor.png",
     "doctor": "C compiler",
-    "maintain conditioning one.toml --repeats 2 --relative 1e-6 --lots 0 --stops plain-sbc --out out/conditioning"
+    "tools conditioning one.toml --repeats 2 --relative 1e-6 --lots 0 --stops plain-sbc --out out/conditioning"
     " --workers 1 --fresh": "one.conditioning.json",
-    "maintain discretisation one.toml --repeats 1 --stops plain-sbc --only steps --workers 1 --fresh": "one.cond",
-    "maintain validation --baselines tests/baselines --docs docs": "docs/validation.md",
+    "tools discretisation one.toml --repeats 1 --stops plain-sbc --only steps --workers 1 --fresh": "one.cond",
+    "tools validation --baselines tests/baselines --docs docs": "docs/validation.md",
     "maintain fmus out --out out/fmus.csv --write": "out/fmus.csv",
     "maintain regress --baselines small --out out/regress --workers 1 --across-compilers --import-from .": "",
     "maintain regress --baselines small --out out/regress --workers 1": "kept",
@@ -135,6 +136,7 @@ MAKE = {
     "test TESTS=tests/test_units.py TYPES=harness/base/units.py BASELINES=small": "processor time: ",
     "portable TESTS=tests/test_units.py": "build/portable/stop.json",
     "fuzz TESTS=tests/test_units.py": " passed",
+    "conditioning-omc OPTIONS=--help": "conditioning-omc needs OpenModelica's omc on the PATH",
     "test-omc TESTS=tests/test_units.py": "test-omc needs OpenModelica's omc on the PATH",
     "regress-omc BASELINES=small": "regress-omc needs OpenModelica's omc on the PATH",
     "suites SUITE=suite KIND=compliance OPTIONS='--only Right'": "1 right",
@@ -150,7 +152,7 @@ ELSEWHERE = {
     "campaign --scheduler": "cli/test_cluster.py",
     "monitor --map": "estimate/test_monitor_folder.py",
     "export --platforms": "fmus/test_under_wine.py",
-    "maintain conditioning --import-from": "test_own_classes.py",
+    "tools conditioning --import-from": "test_own_classes.py",
     "study etcs --line": "etcs/test_etcs_command.py",
     "study etcs --national": "etcs/test_etcs_command.py",
     "study estimators --tune": "estimators/test_estimator_study.py",
@@ -186,7 +188,7 @@ def tree(command: Any, *path: str) -> Iterator[tuple[tuple[str, ...], Any]]:
         yield from tree(command.get_command(None, name), *path, name)
 
 
-ALL = dict(tree(get_command(app)))
+ALL = dict(tree(get_command(app))) | dict(tree(command_of("tools", tools), "tools"))
 
 
 def words_of(row: str) -> tuple[tuple[str, ...], list[str]]:
@@ -225,7 +227,9 @@ def targets() -> dict[str, str]:
 
 def test_each_command_and_each_option_has_a_row() -> None:
     rows = list(COMMANDS)
-    rows += [line.partition("bin/railgrip ")[2] for row in MAKE for line in of_make(row) if "bin/railgrip " in line]
+    rows += re.findall(
+        r"bin/(?:railgrip|python(?= tools)) (.*)", "\n".join(line for row in MAKE for line in of_make(row))
+    )
     used: dict[tuple[str, ...], set[str]] = {}
     for row in rows:
         path, options = words_of(re.split(r" &|;", row)[0])
@@ -234,12 +238,12 @@ def test_each_command_and_each_option_has_a_row() -> None:
             # tests/cli/test_cluster.py has --scheduler, which is one option for all studies.
             used[path].update(re.findall(r"--\w+", f"{OF_STUDIES} --scheduler"))
     missing = [
-        f"railgrip {' '.join(path)}"
+        " ".join(path)
         for path, command in ALL.items()
         if not hasattr(command, "list_commands") and path not in used and not elsewhere(" ".join(path))
     ]
     missing += [
-        f"railgrip {' '.join(path)} {option}"
+        " ".join((*path, option))
         for path in used
         for option, *others in options_of(path)
         if not used[path].intersection((option, *others))
@@ -248,7 +252,7 @@ def test_each_command_and_each_option_has_a_row() -> None:
     ]
     assert not missing, f"add a row with its smallest form, or the test that runs it: {', '.join(missing)}"
     unknown = [
-        f"railgrip {' '.join(path)} {option}"
+        " ".join((*path, option))
         for path, options in used.items()
         for option in options - {"--quick"} - {name for p in ALL[path].params for name in (*p.opts, *p.secondary_opts)}
     ]

@@ -26,7 +26,7 @@ COMMANDS = [
     "report odd.toml",
     "compare odd.toml odd.toml",
     "monitor odd.toml",
-    "maintain conditioning odd.toml",
+    "tools conditioning odd.toml",
 ]
 
 

@@ -6,7 +6,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 SOURCES = [
-    path for folder in ("harness", "estimators", "controllers", "fmus") for path in (ROOT / folder).rglob("*.py")
+    path
+    for folder in ("harness", "estimators", "controllers", "fmus", "tools")
+    for path in (ROOT / folder).rglob("*.py")
 ]
 FUNCTION = ast.FunctionDef, ast.AsyncFunctionDef
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("harness", "controllers", "estimators", "fmus", "tests")
+PACKAGES = ("harness", "controllers", "estimators", "fmus", "tools", "tests")
 SUFFIXES = r"(?:py|c|h|toml|md|mo|json|svg|js|css)"
 FILE = re.compile(rf"(?<![\w./*<{{-])(?:[\w-]+/)*[\w-]+\.{SUFFIXES}(?!\.?\w|[*(])")
 DOTTED = re.compile(r"(?<![\w./`])`?(railgrip(?:\.\w+)+)")
@@ -123,7 +123,7 @@ def exists(dotted: str) -> bool:
     first, *rest = dotted.split(".")[1:]
     if dotted in ENTRY_POINTS or (not rest and members(ROOT / "harness" / "api.py", [first])):
         return True
-    place = ROOT / first if first in PACKAGES[1:-1] else ROOT / "harness" / first
+    place = ROOT / first if first in PACKAGES[1:-2] else ROOT / "harness" / first
     while rest and (place / rest[0]).is_dir():
         place /= rest.pop(0)
     if rest and (place / f"{rest[0]}.py").is_file():

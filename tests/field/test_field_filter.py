@@ -245,7 +245,7 @@ def test_noises_are_written_and_read_back(tmp_path):
 def test_the_shipped_noises_name_the_command_that_found_them(name):
     path = NOISES / f"{name}.toml"
     assert len(load_noise(path).values) == 12
-    assert f'command = "railgrip maintain tune {name} ' in path.read_text()
+    assert f'command = "python tools tune {name} ' in path.read_text()
 
 
 def test_a_run_without_braking_or_position_is_refused(run):

@@ -5,17 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conditioning import campaign_of, conditioning_of, merged, repeats_of, with_refinement
 from synthetic import stop_of
+from validation import tolerances_table
 
 import railgrip.scenario
 from railgrip.base.errors import ScenarioError
-from railgrip.campaign.conditioning import (
-    campaign_of,
-    conditioning_of,
-    merged,
-    repeats_of,
-    with_refinement,
-)
 from railgrip.campaign.run import write_description
 from railgrip.report.baseline import (
     AcceptedValue,
@@ -30,7 +25,6 @@ from railgrip.report.baseline import (
 from railgrip.report.frame import STALE, frame_of, range_text
 from railgrip.report.results import read_results
 from railgrip.report.stop import write_stop
-from railgrip.report.validation import tolerances_table
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances, read_conditioning, text_of
 
@@ -162,9 +156,7 @@ def test_a_divided_step_keeps_the_periods_of_all_other_parts(tmp_path, write_cam
 
 
 def test_a_missing_conditioning_file_is_reported_with_the_command_that_creates_it(tmp_path):
-    with pytest.raises(
-        ScenarioError, match=r"there is no such file; correct the path; `railgrip maintain conditioning FILE\.toml`"
-    ):
+    with pytest.raises(ScenarioError, match=r"there is no such file; correct the path; `make conditioning`"):
         read_conditioning(tmp_path / "gone.json")
 
 

@@ -5,13 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-
-from railgrip.base.errors import RecordError, ScenarioError
-from railgrip.base.registry import shelf
-from railgrip.report.baseline import AcceptedValue, Baseline, load_baseline, write_baseline
-from railgrip.report.style import save
-from railgrip.report.table import END, write_tables
-from railgrip.report.validation import (
+from validation import (
     BASELINE,
     CONVERGENCE,
     CONVERGENCE_CAMPAIGNS,
@@ -22,6 +16,12 @@ from railgrip.report.validation import (
     tables_of_cases,
     tolerances_table,
 )
+
+from railgrip.base.errors import RecordError, ScenarioError
+from railgrip.base.registry import shelf
+from railgrip.report.baseline import AcceptedValue, Baseline, load_baseline, write_baseline
+from railgrip.report.style import save
+from railgrip.report.table import END, write_tables
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances, read_conditioning, text_of
 

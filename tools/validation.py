@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from railgrip.base.errors import ScenarioError
 from railgrip.report.baseline import ACROSS_COMPILERS, AcceptedValue, Baseline
 from railgrip.report.campaign_figures import overview_figure
-from railgrip.report.frame import StatedDistance
+from railgrip.report.frame import Frame, StatedDistance
 from railgrip.report.reference import label, locked_text, references
 from railgrip.report.statistics import median_interval, on_common, rank
 from railgrip.report.table import ReportTable, names, percent, text
@@ -96,7 +96,7 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, ReportTable]:
     if campaign.conditioning and (stale := [cell.stop.name for cell in of_sensors if not cell.lots]):
         raise ScenarioError(
             f"{campaign.name}: there are no repeats with other lots of sensors of {names(stale)} as accepted; run "
-            "`railgrip maintain conditioning`"
+            "`make conditioning`"
         )
     compared_with = references(cells, lambda cell: cell.scenario, _metres)
     texts = {
@@ -382,7 +382,7 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
     )
 
 
-def _rows_of_figure(campaign: Campaign, baseline: Baseline) -> pandas.DataFrame:
+def _rows_of_figure(campaign: Campaign, baseline: Baseline) -> Frame:
     """Return a row for each accepted stop with the equipment of the figure, with the columns of `overview_figure`."""
     cells = [cell for cell in cells_of(campaign, baseline) if cell.line[0] in _SHOWN and cell.stated is not None]
     compared_with = references(cells, lambda cell: cell.scenario, _metres)
@@ -407,7 +407,7 @@ def _metres(cell: Cell) -> float | None:
     return None if cell.stated is None else cell.stated.median
 
 
-def _message(best: pandas.DataFrame) -> str:
+def _message(best: Frame) -> str:
     """Return the changes in service by the best law, in a sentence."""
     if best.empty:
         return ""

@@ -119,7 +119,7 @@ def merged(
         if missing := [name for name in stops if name not in same]:
             raise ScenarioError(
                 f"{names(missing)}: there are no repeats with FMUs of the built-in compiler to compare with; run "
-                "`railgrip maintain conditioning` before without omc on the PATH"
+                "`make conditioning` before without omc on the PATH"
             )
         return {
             name: same[name].model_copy(update={"compilers": same[name].compilers | {compiler: stop.distances}})
@@ -168,7 +168,7 @@ def with_refinement(
         elif of == "tolerances" and not isinstance(stop.scenario.vehicle.source, ModelicaPlant):
             without[stop.name] = "its plant is not compiled here, so that its tolerance is its own"
         elif repeated is None or repeated.digest != stop.scenario.digest():
-            without[stop.name] = "has no repeats of its present scenario; run `railgrip maintain conditioning` before"
+            without[stop.name] = "has no repeats of its present scenario; run `make conditioning` before"
         else:
             seeds = range(1, 1 + (1 if repeated.is_smooth else count))
             cases += [

@@ -1,0 +1,271 @@
+"""Commands of the Makefile alone: repeat stops, write accepted distances, fit levels, search noises.
+
+`python tools conditioning FILE.toml`, from the folder of the project; the package contains none of these.
+"""
+
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+from calibration import calibrate as fit_levels
+from conditioning import Refinement, campaign_of, conditioning_of, merged, repeats_of, with_refinement
+from validation import (
+    BASELINE,
+    CONVERGENCE,
+    CONVERGENCE_CAMPAIGNS,
+    FILE,
+    TABLES,
+    compilers_table,
+    distances_figure,
+    steps_table,
+    tolerances_table,
+)
+
+from railgrip.base.errors import EstimationError, ScenarioError
+from railgrip.base.files import write_text
+from railgrip.base.records import make_folder
+from railgrip.base.registry import shelf
+from railgrip.campaign.run import CampaignRun
+from railgrip.campaign.work import work
+from railgrip.cli.app import BASELINES, Fresh, ImportFrom, Workers, command_of, program
+from railgrip.cli.campaigns import run_campaigns
+from railgrip.fmus.build import choose
+from railgrip.report.baseline import Baseline, load_baseline
+from railgrip.report.console import answer, progress, say, show_table
+from railgrip.report.style import save
+from railgrip.report.table import ReportTable, write_tables, yes_no
+from railgrip.scenario.campaign import Campaign, load_campaign
+from railgrip.scenario.conditioning import RepeatedDistances, read_conditioning, text_of
+from railgrip.studies.field_test.filtering import (
+    TUNING,
+    cases,
+    divergence_time,
+    equations,
+    filter_of,
+    follow,
+    runs,
+    save_noise,
+    task_of,
+)
+from railgrip.studies.field_test.score import DIVERGED, Search
+from railgrip.studies.field_test.score import tune as search_for
+from railgrip.studies.papers.table1 import SBC
+
+
+def validation(
+    baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
+    docs: Annotated[Path, typer.Option(help="Folder of the pages.")] = Path("docs"),
+) -> None:
+    """Write the accepted distances into the documentation."""
+    path = baselines / f"{BASELINE}.toml"
+    accepted = _baseline_of_campaign(path)
+    figure, numbers = distances_figure(load_campaign(path.parent / str(accepted.campaign)), accepted)
+    say(str(save(figure, docs / FILE, numbers)))
+    compared: list[tuple[Campaign, Baseline]] = []
+    for name, (page, tables_of) in TABLES.items():
+        path = baselines / f"{name}.toml"
+        accepted = _baseline_of_campaign(path)
+        compared.append((load_campaign(path.parent / str(accepted.campaign)), accepted))
+        write_tables(docs / page, tables_of(*compared[-1]))
+        say(str(docs / page))
+    page = docs / CONVERGENCE
+    campaigns = [load_campaign(shelf("campaigns")[name]) for name in CONVERGENCE_CAMPAIGNS]
+    write_tables(page, {"tolerances": tolerances_table(*campaigns), "compilers": compilers_table(*compared)})
+
+
+def _baseline_of_campaign(path: Path) -> Baseline:
+    accepted = load_baseline(path)
+    if accepted.campaign is None:
+        raise ScenarioError(f"{path}: is the baseline of a study, but the table shows a campaign")
+    return accepted
+
+
+def conditioning(
+    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")],
+    repeats: Annotated[int, typer.Option(min=2, max=1000, help="Of each stop.")] = 20,
+    relative: Annotated[float, typer.Option(min=1e-15, max=1e-2, help="Largest change of a parameter.")] = 1e-7,
+    lots: Annotated[
+        int, typer.Option(min=0, max=1000, help="Number of sensor lots, for stops whose sensors have errors.")
+    ] = 20,
+    stops: Annotated[
+        str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
+    ] = "*",
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("build/conditioning"),
+    workers: Workers = 2,
+    fresh: Fresh = False,
+    import_from: ImportFrom = None,
+) -> None:
+    """Repeat stops with other parameters and sensors."""
+    loaded, selection, place = _conditioned(file, stops, "the file to write")
+    if not selection.stops:
+        raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {loaded.stops[0].name} and others")
+    before = read_conditioning(place).stops if place.exists() else {}
+    others = _previous_repeats(place, relative) if before and (stops != "*" or choose("auto") != "native") else {}
+    compiler = choose("auto")
+    # One repeat by another compiler suffices for a stop whose distance hardly depends on the parameters; sensors do not
+    # depend on the compiler.
+    once = {name for name, stop in before.items() if compiler != "native" and stop.is_smooth}
+    repetitions = {
+        stop.name: repeats_of(
+            stop,
+            count=1 if stop.name in once else repeats,
+            lots=lots if compiler == "native" else 0,
+            relative=relative,
+        )
+        for stop in selection.stops
+    }
+    directory = out / loaded.name
+    problem = run_campaigns(
+        [CampaignRun(campaign_of(selection, repetitions), directory)],
+        workers=workers,
+        fresh=fresh,
+        import_from=import_from or (),
+    )
+    # A repeat without standstill counts as an infinite distance; a repeat that failed has no result, and nothing is
+    # written.
+    results = conditioning_of(selection, repetitions, directory, relative)
+    kept = merged(results.stops, before, compiler)
+    write_text(place, text_of(results.model_copy(update={"stops": others | kept})))
+    rows = [
+        {"stop": name, "shortest": stop.lowest, "median": stop.median, "longest": stop.highest, "spreads": stop.spreads}
+        | ({"lots": stop.lots_text} if lots else {})
+        for name, stop in results.stops.items()
+    ]
+    metres = dict.fromkeys(("shortest", "median", "longest"), "{:.2f} m")
+    show_table(ReportTable(rows, {**metres, "spreads": yes_no}))
+    say(str(place))
+    if problem:
+        raise typer.Exit(problem)
+
+
+def discretisation(
+    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")],
+    repeats: Annotated[
+        int, typer.Option(min=1, max=1000, help="Repeats of each stop whose distance depends on rounding.")
+    ] = 5,
+    stops: Annotated[
+        str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
+    ] = "*",
+    only: Annotated[Refinement | None, typer.Option(help="Only the steps, or only the tolerances.")] = None,
+    workers: Workers = 2,
+    fresh: Fresh = False,
+) -> None:
+    """Repeat stops with smaller steps and other tolerances.
+
+    Communication steps are half and a quarter of that of the scenario, tolerances of the plant's solver 1e-4 to 1e-7.
+    The distances are added to the file of conditioning, whose repeats have the whole step and the tolerance of the
+    plant. `make validation` writes the tables of the documentation from it.
+    """
+    _, selection, place = _conditioned(file, stops, "the file of the repeats")
+    before = read_conditioning(place)
+    without: dict[str, str] = {}
+    kinds: tuple[Refinement, ...] = ("steps", "tolerances")
+    for of in kinds if only is None else (only,):
+        with work("discretisation", workers=workers, fresh=fresh) as tasks:
+            refined, reasons = with_refinement(selection, before, tasks, of=of, count=repeats)
+        before = before.model_copy(update={"stops": before.stops | refined})
+        without |= reasons
+        write_text(place, text_of(before))
+    for name, reason in without.items():
+        say(f"{name}: {reason}")
+    show_table(steps_table(selection))
+    show_table(tolerances_table(selection))
+    say(str(place))
+
+
+def _conditioned(file: Path, stops: str, what: str) -> tuple[Campaign, Campaign, Path]:
+    """Return a campaign, those of its stops whose names match a pattern, and its file of conditioning.
+
+    Raises:
+        ScenarioError: The campaign names no such file; `what` describes it.
+    """
+    loaded = load_campaign(file)
+    if loaded.conditioning is None:
+        raise ScenarioError(f"{file.name}: has no key 'conditioning'; it must name {what}")
+    return loaded, loaded.only(lambda stop: fnmatch(stop.name, stops)), loaded.conditioning
+
+
+def _previous_repeats(path: Path, relative: float) -> dict[str, RepeatedDistances]:
+    before = read_conditioning(path)
+    if before.relative != relative:
+        raise ScenarioError(
+            f"--relative {relative:g}: what stays in {path.name} was moved by {before.relative:g}; leave --stops out"
+        )
+    return before.stops
+
+
+def calibrate(
+    scenario: Annotated[
+        Literal["trapezoid", "sine_sweep", "random"] | None,
+        typer.Option(help="The only scenario to fit; all unless given."),
+    ] = None,
+    out: Annotated[
+        Path, typer.Option(help="Folder of the scenario files.", show_default="the library of the project")
+    ] = Path("harness/scenario/library"),
+) -> None:
+    """Fit the levels of the scenarios to the published distances."""
+    make_folder(out)
+    with progress("levels", "some ten stops each"):
+        fit_levels(
+            tuple(SBC) if scenario is None else (scenario,),
+            out,
+            lambda fit: say(
+                f"{fit.scenario}, {fit.shape}: level {fit.level:.5f}, {fit.distance:.1f} m "
+                f"(target {SBC[fit.scenario]} m)"
+            ),
+        )
+
+
+def tune(
+    kind: Annotated[str, typer.Argument(metavar="paper|consistent", help="Objective.")],
+    out: Annotated[Path, typer.Option(help="File for the noises.")],
+    campaign: Annotated[
+        Path | None, typer.Option(metavar="FILE.toml", help="Cases of a field test; field_test unless given.")
+    ] = None,
+    population: Annotated[int, typer.Option(min=8, help="Candidates of the differential evolution.")] = 48,
+    generations: Annotated[int, typer.Option(min=1, help="Generations in all.")] = 60,
+    stage: Annotated[int, typer.Option(min=1, help="Generations that are kept together.")] = 10,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of all random numbers.")] = 1,
+    workers: Annotated[int, typer.Option(min=1, max=64, help="Threads, or processes.")] = 2,
+    import_from: ImportFrom = None,
+) -> None:
+    """Search the twelve noises of the field test's filter."""
+    if kind != "paper" and kind != "consistent":
+        raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
+    search = Search(population=population, generations=generations, stage=stage, seed=seed)
+    with work("field_test", workers=workers) as job:
+        field_runs = runs(cases(campaign), TUNING, job, import_from or ())
+        model = equations()
+        tasks = [task_of(run.braking, model) for run in field_runs.values()]
+        noise, value, history = search_for(kind, tasks, search, job)
+    command = (
+        f"python tools tune {kind} --population {population} --generations {generations} --stage {stage} "
+        f"--seed {seed} --out {out}"
+    )
+    save_noise(
+        noise,
+        out,
+        title=f"Noises of the field test's filter, tuned on {', '.join(TUNING)}; objective '{kind}'.",
+        command=command,
+        results={"objective": value, "generations": float(len(history))},
+    )
+    say(f"{kind}: {value:.6f} m/s after {len(history)} generations")
+    filter_ = filter_of(model, tasks[0].data.period)
+    for case, task in zip(field_runs, tasks, strict=True) if value < DIVERGED else ():
+        instant = divergence_time(task, follow(task, filter_, noise))
+        if instant is not None:
+            say(f"Case {case}: the filter is lost from {instant:.2f} s on, its innovations are far beyond its claims.")
+    say(str(out))
+
+
+tools = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+tools.callback()(program)
+for each in (conditioning, discretisation, validation, calibrate, tune):
+    tools.command()(each)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run a command, with the messages and exit codes of railgrip."""
+    command = command_of("tools", tools)
+    answer(lambda: command(arguments, prog_name="tools"))
