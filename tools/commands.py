@@ -1,4 +1,4 @@
-"""Commands of the Makefile alone: repeat stops, write accepted distances, fit levels, search noises.
+"""Commands of the Makefile alone: repeat stops, write accepted distances, fit levels, search noises, survey FMUs.
 
 `python tools conditioning FILE.toml`, from the folder of the project; the package contains none of these.
 """
@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 import typer
 from calibration import calibrate as fit_levels
 from conditioning import Refinement, campaign_of, conditioning_of, merged, repeats_of, with_refinement
+from fmu_survey import survey, survey_table
 from validation import (
     BASELINE,
     CONVERGENCE,
@@ -22,7 +23,7 @@ from validation import (
     tolerances_table,
 )
 
-from railgrip.base.errors import EstimationError, ScenarioError
+from railgrip.base.errors import EstimationError, InputError, ScenarioError
 from railgrip.base.files import write_text
 from railgrip.base.records import make_folder
 from railgrip.base.registry import shelf
@@ -51,6 +52,8 @@ from railgrip.studies.field_test.filtering import (
 from railgrip.studies.field_test.score import DIVERGED, Search
 from railgrip.studies.field_test.score import tune as search_for
 from railgrip.studies.papers.table1 import SBC
+
+FOREIGN = Path("docs/foreign_fmus.md")
 
 
 def validation(
@@ -259,9 +262,33 @@ def tune(
     say(str(out))
 
 
+def fmus(
+    folder: Annotated[Path, typer.Argument(exists=True, file_okay=False, help="Folder of FMUs, searched recursively.")],
+    out: Annotated[Path, typer.Option(help="File for one line per FMU.")] = Path("build/fmus.csv"),
+    write: Annotated[bool, typer.Option("--write", help=f"Write the table into {FOREIGN}.")] = False,
+) -> None:
+    """Open and step the FMUs of a folder; write a table.
+
+    Each FMU runs in a separate process. The file gives the reason for each that does not step.
+    """
+    with progress("survey", "stepping FMUs"):
+        rows = [*survey(folder)]
+    if not rows:
+        raise InputError(f"{folder}: contains no file *.fmu, not even in subfolders.")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    lines = ("file", "tool", "FMI", "reason", "sentence")
+    ReportTable.of(lines, [(str(r.file), r.tool, r.interface, r.reason, r.sentence) for r in rows], left=5).write_csv(
+        out
+    )
+    table = survey_table(rows)
+    show_table(table)
+    if write:
+        write_tables(FOREIGN, {"fmus": table})
+
+
 tools = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 tools.callback()(program)
-for each in (conditioning, discretisation, validation, calibrate, tune):
+for each in (conditioning, discretisation, validation, calibrate, tune, fmus):
     tools.command()(each)
 
 

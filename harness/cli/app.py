@@ -321,7 +321,6 @@ class _Maintain(Commands):
             "regress": Command("baselines:regress", "Run everything that has a baseline and compare every number."),
             "accept": Command("baselines:accept", "Update the baselines to the results of the last regress."),
         },
-        "FMUs": {"fmus": Command("fmus:survey_command", "Open and step the FMUs of a folder; write a table.")},
         "Searches": {"tune-control": Command("searches:tune_control", "Search the parameters of the control laws.")},
     }  # fmt: skip
 

@@ -1,9 +1,7 @@
 """Commands for FMUs: build, list and check those of Modelica classes, export parts of a scenario, map foreign ones."""
 
 import shutil
-from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal, cast
 
@@ -14,13 +12,13 @@ from railgrip.base.names import did_you_mean
 from railgrip.base.records import make_folder, require_own
 from railgrip.cli.app import RUN_FAILED, File, Overrides, With, fail
 from railgrip.fmi import describe
-from railgrip.fmi.survey import SurveyResult, survey, validation_problems
+from railgrip.fmi.trials import validation_problems
 from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, translate
 from railgrip.fmus.native.package import as_fmi_3, pack
 from railgrip.fmus.native.toolchain import TARGETS
 from railgrip.fmus.recipe import LOCK, Entry, differences, read_lock, read_recipes, write_lock
 from railgrip.report.console import progress, remark, say, show_table
-from railgrip.report.table import ReportTable, write_tables
+from railgrip.report.table import ReportTable
 from railgrip.scenario.load import load
 from railgrip.simulate.export.c_parts import part_fmu, write_library
 from railgrip.simulate.export.controller_and_plant import controller_fmu, plant_fmu
@@ -90,49 +88,6 @@ def _list() -> None:
         for name, recipe in read_recipes().recipes.items()
     ]
     show_table(ReportTable(rows, left=list(rows[0])))
-
-
-PAGE = Path("docs/foreign_fmus.md")
-
-
-def survey_command(
-    folder: Annotated[Path, typer.Argument(exists=True, file_okay=False, help="Folder of FMUs, searched recursively.")],
-    out: Annotated[Path, typer.Option(help="File for one line per FMU.")] = Path("build/fmus.csv"),
-    write: Annotated[bool, typer.Option("--write", help=f"Write the table into {PAGE}.")] = False,
-) -> None:
-    """Open and step the FMUs of a folder; write a table.
-
-    Each FMU runs in a separate process. The file gives the reason for each that does not step.
-    """
-    with progress("survey", "stepping FMUs"):
-        rows = [*survey(folder)]
-    if not rows:
-        raise InputError(f"{folder}: contains no file *.fmu, not even in subfolders.")
-    out.parent.mkdir(parents=True, exist_ok=True)
-    lines = ("file", "tool", "FMI", "reason", "sentence")
-    ReportTable.of(lines, [(str(r.file), r.tool, r.interface, r.reason, r.sentence) for r in rows], left=5).write_csv(
-        out
-    )
-    table = _survey_table(rows)
-    show_table(table)
-    if write:
-        write_tables(PAGE, {"fmus": table})
-
-
-def _survey_table(rows: Sequence[SurveyResult]) -> ReportTable:
-    kinds = dict.fromkeys(sorted((row.tool.lower(), row.tool, row.interface) for row in rows))
-    lines: list[tuple[str, str, int, int, str]] = []
-    for _, tool, interface in kinds:
-        group = [row for row in rows if (row.tool, row.interface) == (tool, interface)]
-        reasons = Counter(row.reason for row in group if row.reason)
-        why = "; ".join(f"{count} {reason}" for reason, count in reasons.most_common())
-        lines.append((tool, interface, len(group), len(group) - reasons.total(), why))
-    stepping = {row.file for row in rows if not row.reason}
-    lines.append(("all, each counted once", "", len({row.file for row in rows}), len(stepping), ""))
-    return replace(
-        ReportTable.of(("tool", "FMI", "FMUs", "step", "refused or failed, why"), lines, left=2),
-        left=("tool", "FMI", "refused or failed, why"),
-    )
 
 
 def _check(names: list[str], compiler: Compiler, *, update: bool) -> None:

@@ -34,7 +34,7 @@ from railgrip.estimators.prediction import CasadiPrediction, FilterVariables
 from railgrip.fmi import SteppedFmuPrediction
 from railgrip.fmi.description import Description, describe
 from railgrip.fmi.mapping import Binding, Port, bind
-from railgrip.fmi.survey import seconds_in_c, seconds_of_fmpy, seconds_of_railgrip
+from railgrip.fmi.trials import seconds_in_c, seconds_of_fmpy, seconds_of_railgrip
 from railgrip.fmus.build import build, build_class, fmu
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.page import Page

@@ -79,7 +79,7 @@ COMMANDS = {
     " --workers 1 --fresh": "one.conditioning.json",
     "tools discretisation one.toml --repeats 1 --stops plain-sbc --only steps --workers 1 --fresh": "one.cond",
     "tools validation --baselines tests/baselines --docs docs": "docs/validation.md",
-    "maintain fmus out --out out/fmus.csv --write": "out/fmus.csv",
+    "tools fmus out --out out/fmus.csv --write": "out/fmus.csv",
     "maintain regress --baselines small --out out/regress --workers 1 --across-compilers --import-from .": "",
     "maintain regress --baselines small --out out/regress --workers 1": "kept",
     "maintain accept --reason R --baselines small --out out/regress": "nothing changed",

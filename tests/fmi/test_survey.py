@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 from command_line import Done
+from fmu_survey import survey
 from tiny_fmu import tiny, xml
-
-from railgrip.fmi.survey import survey
 
 
 @pytest.fixture
@@ -45,7 +44,7 @@ def test_each_fmu_has_a_result_or_a_reason(folder: Path):
 
 def test_the_table_counts_by_tool_and_the_file_has_a_line_per_fmu(folder: Path, command: Callable[..., Done]):
     out = folder.parent / "out" / "fmus.csv"
-    result = command("maintain", "fmus", folder, "--out", out)
+    result = command("tools", "fmus", folder, "--out", out)
     assert result.code == 0
     rows = list(csv.DictReader(out.open()))
     assert len({row["file"] for row in rows}) == 7

@@ -1,0 +1,135 @@
+"""Survey the FMUs of a folder: open and step each in a separate process, and count what was refused by reason."""
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from math import isfinite
+from pathlib import Path
+from typing import Final
+from zipfile import BadZipFile
+
+import numpy as np
+
+from railgrip.base.errors import Failure, FmuError, PlantFailed
+from railgrip.base.limits import FmuLimits
+from railgrip.fmi.archive import outline
+from railgrip.fmi.description import PLATFORMS, Description, describe
+from railgrip.fmi.isolation import IsolatedCoSimulation
+from railgrip.fmi.mapping import Binding, side_of
+from railgrip.report.table import ReportTable
+
+STEPS: Final = 20
+_STEP: Final = 1e-3  # s, if the FMU suggests none
+_NUMBERS: Final = ("Real", "Integer", "Boolean", "Enumeration")
+_LIMITS: Final = FmuLimits(patience=60.0, memory_mib=4096)
+_REFUSALS: Final = {
+    r"this is FMI|fmiVersion": "another version of FMI",
+    r"no binary for this platform": f"no binary for {PLATFORMS[2]}",
+    r"is a clock": "clocks",
+    r"not an FMU|archive": "no archive of an FMU",
+    r"is not valid FMI|cannot be understood|ModelStructure|in modelDescription.xml": "a description that is not valid",
+    r"does not load": "a binary that does not load",
+}  # fmt: skip
+"""Patterns of refusals → their common reason."""
+_AFTER_NAME: Final = re.compile(r"\s*(?:Version|\(|:|,|\s-\s|\bv?\d+\.\d|(?<=[a-z])\d)")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SurveyResult:
+    """Result for one interface of an FMU.
+
+    Attributes:
+        file: Path relative to the folder.
+        tool: Tool that made it, without version.
+        interface: FMI version, with CS or ME if it was run.
+        reason: Reason why it did not step, in a few words; '' on success.
+        sentence: The same as the message for a user.
+    """
+
+    file: Path
+    tool: str
+    interface: str
+    reason: str
+    sentence: str
+
+
+def survey(folder: Path) -> Iterator[SurveyResult]:
+    """Open each FMU of a folder without setting parameters, step it by each of its interfaces and yield the results."""
+    for file in sorted(folder.rglob("*.fmu")):
+        yield from _survey_file(file, file.relative_to(folder))
+
+
+def _survey_file(file: Path, name: Path) -> Iterator[SurveyResult]:
+    tool, version, step = "unknown", "", ""
+    try:
+        first = outline(file, _LIMITS)
+        tool, version, step = _tool(first.tool), first.version or "", first.step
+    except (FmuError, BadZipFile, OSError, KeyError, ValueError, RuntimeError):
+        pass  # `describe` reports it
+    result = partial(SurveyResult, file=name, tool=tool)
+    try:
+        description = describe(file, _LIMITS)
+    except FmuError as error:
+        yield result(interface=version, reason=_reason(error), sentence=_without(file, error))
+        return
+    ways = {"CS": replace(description, model_exchange=None), "ME": replace(description, co_simulation=None)}
+    for way, interface in ways.items():
+        if interface.co_simulation is interface.model_exchange is None:
+            continue
+        reason = sentence = ""
+        try:
+            _step(interface, step)
+        except FmuError as error:
+            reason, sentence = _reason(error), _without(file, error)
+        except PlantFailed as failed:
+            reason = failed.failure.reason.replace("_", " ") if isinstance(failed.failure, Failure) else "other"
+            sentence = str(failed)
+        yield result(interface=f"{description.fmi}.0 {way}", reason=reason, sentence=sentence)
+
+
+def _reason(error: FmuError) -> str:
+    return next((words for pattern, words in _REFUSALS.items() if re.search(pattern, str(error))), "other")
+
+
+def _step(description: Description, suggested: str) -> None:
+    outputs = [v for v in description.variables.values() if v.causality == "output" and v.kind in _NUMBERS]
+    binding = Binding(inputs=side_of(()), outputs=side_of(outputs), unused=(), parameters={})
+    try:
+        period = float(suggested)
+    except ValueError:
+        period = _STEP
+    period = period if isfinite(period) and period > 0 else _STEP
+    with IsolatedCoSimulation(description, binding, period=period, parameters={}, limits=_LIMITS) as plant:
+        plant.start(np.zeros(0))
+        for _ in range(STEPS):
+            plant.step(np.zeros(0))
+
+
+def _tool(generator: str) -> str:
+    name = _AFTER_NAME.split(generator.strip(), maxsplit=1)[0].strip()
+    if name.startswith(("OpenModelica", "OMCompiler")):
+        return "OpenModelica"
+    return "unknown" if name in ("", "an unnamed tool") else name
+
+
+def _without(file: Path, error: FmuError) -> str:
+    return str(error).replace(f"{file}: ", "")
+
+
+def survey_table(rows: Sequence[SurveyResult]) -> ReportTable:
+    """Return the numbers of FMUs that step, and that do not by reason, for each tool and interface."""
+    kinds = dict.fromkeys(sorted((row.tool.lower(), row.tool, row.interface) for row in rows))
+    lines: list[tuple[str, str, int, int, str]] = []
+    for _, tool, interface in kinds:
+        group = [row for row in rows if (row.tool, row.interface) == (tool, interface)]
+        reasons = Counter(row.reason for row in group if row.reason)
+        why = "; ".join(f"{count} {reason}" for reason, count in reasons.most_common())
+        lines.append((tool, interface, len(group), len(group) - reasons.total(), why))
+    stepping = {row.file for row in rows if not row.reason}
+    lines.append(("all, each counted once", "", len({row.file for row in rows}), len(stepping), ""))
+    return replace(
+        ReportTable.of(("tool", "FMI", "FMUs", "step", "refused or failed, why"), lines, left=2),
+        left=("tool", "FMI", "refused or failed, why"),
+    )
