@@ -12,7 +12,7 @@ import pytest
 import xarray
 
 ROOT = Path(__file__).parents[1]
-DATA = {".typed", ".csv", ".toml", ".json", ".mo", ".order", ".c", ".h", ".jinja", ".js", ".txt"}
+DATA = {".typed", ".csv", ".yml", ".toml", ".json", ".mo", ".order", ".c", ".h", ".jinja", ".js", ".txt"}
 
 
 @pytest.fixture(scope="module")
