@@ -153,7 +153,14 @@ WireDelay = Annotated[
     ),
 ]
 TravelSpeed = Annotated[
-    float, UnitRange("m/s", at_least=0.1, at_most=FASTEST, because="no train on wheels has been faster than 159.7 m/s")
+    float,
+    UnitRange(
+        "m/s",
+        at_least=0.1,
+        at_most=FASTEST,
+        usual=(0.1, 95.0),
+        because="no train on wheels has been faster than 159.7 m/s",
+    ),
 ]
 Temperature = Annotated[
     float,

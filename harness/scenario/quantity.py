@@ -108,7 +108,8 @@ class UnitRange:
         if self.usual is None or self.usual[0] <= value <= self.usual[1] or (self.or_zero and value == 0.0):
             return ""
         suffix, (low, high) = "" if self.unit == "1" else f" {self.unit}", self.usual
-        return f"is {value:g}{suffix}; usual are {low:g} to {high:g}{suffix}{self.because}"
+        bare = f"; a number without a unit is in {self.unit}" if suffix else ""
+        return f"is {value:g}{suffix}; usual are {low:g} to {high:g}{suffix}{self.because}{bare}"
 
     def _span(self, suffix: str) -> str:
         above, at_least, below, at_most = self.limits.values()
@@ -339,10 +340,18 @@ def _refusal(words: str) -> PydanticCustomError:
     return PydanticCustomError("quantity", "{words}", {"words": words})
 
 
-def unusual(table: BaseModel, key: str = "") -> Iterator[tuple[str, str]]:
-    """Yield the key of each unusual value of a table and of the tables in it, as `[start] speed`, with its description.
+def unusual(table: BaseModel) -> Iterator[tuple[str, str]]:
+    """Yield key and description of each valid value of a table that is not usual.
 
     The description follows the key, as in `is 500 m/s; usual are …`.
+    """
+    for key, span, value in quantities(table):
+        if words := span.doubt(value):
+            yield key, words
+
+
+def quantities(table: BaseModel, key: str = "") -> Iterator[tuple[str, UnitRange, float]]:
+    """Yield key, range and SI value of each quantity.
 
     Args:
         table: Table of a file.
@@ -352,12 +361,12 @@ def unusual(table: BaseModel, key: str = "") -> Iterator[tuple[str, str]]:
         value, path = getattr(table, name), f"{key}.{name}" if key else name
         for place, inner in _values_in(path, value):
             if isinstance(inner, BaseModel):
-                yield from unusual(inner, place)
+                yield from quantities(inner, place)
                 continue
             span = _range_of(field.annotation, field.metadata)
-            if span is not None and isinstance(inner, float) and (words := span.doubt(inner)):
+            if span is not None and isinstance(inner, float):
                 where, _, last = place.rpartition(".")
-                yield f"[{where}] {last}", words
+                yield f"[{where}] {last}" if where else last, span, inner
 
 
 def _values_in(path: str, value: Any) -> Iterator[tuple[str, Any]]:

@@ -37,7 +37,7 @@ Seed = Annotated[StrictInt, Field(ge=0, lt=2**63)]
 Friction = Annotated[
     float, UnitRange("1", above=0, at_most=1, usual=(0.01, 0.6), because="dry rail carries up to 0.5 (Polach, 2005)")
 ]
-Speed = Annotated[float, UnitRange("m/s", above=0, at_most=FASTEST, because=_FASTEST)]
+Speed = Annotated[float, UnitRange("m/s", above=0, at_most=FASTEST, usual=(0.0, 95.0), because=_FASTEST)]
 StartSpeed = Annotated[
     float, UnitRange("m/s", at_least=0, at_most=FASTEST, or_zero=True, usual=(2.0, 70.0), because=_FASTEST)
 ]

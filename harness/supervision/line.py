@@ -1,12 +1,13 @@
 """The line ahead of a train: permitted speed, gradients, stretches of low adhesion, and targets."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from railgrip.scenario.load import read_toml, validate_table
-from railgrip.scenario.quantity import UnitRange
+from railgrip.scenario.quantity import UnitRange, quantities
 from railgrip.scenario.table import Length, Name, Speed, Table, table_error
 from railgrip.scenario.track import Gradient
 from railgrip.supervision.national import StepSpeed
@@ -110,3 +111,15 @@ def load_line(path: Path | None) -> Line:
     if path is None:
         return Line(target=(Target(kind="EoA", at=0.0), Target(kind="SvL", at=0.0)))
     return validate_table(Line, {"name": path.stem} | read_toml(path), directory=path.parent, origin=path.name)
+
+
+def doubts_of(table: Table, fastest: float) -> Iterator[str]:
+    """Yield the unusual values of a file, and the speeds in it above the maximum speed of the train [m/s]."""
+    for key, span, value in quantities(table):
+        if words := span.doubt(value):
+            yield f"{key} {words}"
+        elif span.unit == "m/s" and value > fastest * (1 + 1e-9):  # rounding of km/h
+            yield (
+                f"{key} is {3.6 * value:g} km/h ({value:g} m/s), above the maximum speed of the train, "
+                f"{3.6 * fastest:g} km/h; a number without a unit is in m/s"
+            )

@@ -8,7 +8,7 @@ from pydantic import Field, StrictBool, model_validator
 
 from railgrip.rolling_stock.schema import BrakePosition
 from railgrip.scenario.quantity import UnitRange
-from railgrip.scenario.table import FASTEST, Name, Table, table_error
+from railgrip.scenario.table import Name, Speed, Table, table_error
 from railgrip.supervision import conversion
 from railgrip.supervision.curve import Steps, combine
 from railgrip.supervision.national import Deceleration, NationalValues, StepSpeed, require_rising
@@ -61,9 +61,7 @@ class TrainData(Table):
     name: Name = Field(description="name of the train in figures and messages")
     source: str = Field(min_length=3, description="publication of the numbers, or that they are estimates")
     length: _Length = Field(description="length of the train")
-    maximum_speed: Annotated[float, UnitRange("m/s", above=0, at_most=FASTEST)] = Field(
-        description="maximum speed of the train"
-    )
+    maximum_speed: Speed = Field(description="maximum speed of the train")
     brake_position: BrakePosition = Field(description="brake position of the train")
     brake_percentage: _Percentage | None = Field(
         default=None, description="brake percentage, for the conversion model in place of curves and times"

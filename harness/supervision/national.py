@@ -7,9 +7,9 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import UnitRange
-from railgrip.scenario.table import FASTEST, Length, Table, table_error
+from railgrip.scenario.table import FASTEST, Length, Speed, Table, table_error
 
-StepSpeed = Annotated[float, UnitRange("m/s", at_least=0, at_most=FASTEST)]
+StepSpeed = Annotated[float, UnitRange("m/s", at_least=0, at_most=FASTEST, usual=(0.0, 95.0))]
 Deceleration = Annotated[
     float, UnitRange("m/s2", above=0, at_most=3, because="trains brake with 0.2 to 2.5 m/s2, magnets included")
 ]
@@ -28,9 +28,7 @@ class NationalValues(Table):
     Q_NVINHSMICPERM: StrictBool = Field(
         default=False, description="whether the compensation of the inaccuracy of speed may be left out; it then is"
     )
-    V_NVREL: Annotated[float, UnitRange("m/s", above=0, at_most=FASTEST)] = Field(
-        default=40 / 3.6, description="release speed"
-    )
+    V_NVREL: Speed = Field(default=40 / 3.6, description="release speed")
     Q_NVLOCACC: Annotated[float, UnitRange("m", at_least=0, at_most=63)] = Field(
         default=12.0, description="accuracy of the location of a balise group"
     )

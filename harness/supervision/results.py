@@ -24,7 +24,7 @@ from railgrip.supervision.limits import (
     times_of,
     trip_location,
 )
-from railgrip.supervision.line import Target, load_line
+from railgrip.supervision.line import Target, doubts_of, load_line
 from railgrip.supervision.model import TrainData, model_of, safe_deceleration
 from railgrip.supervision.national import load_national
 from railgrip.supervision.trains import TrainBasis, model_of_train, read_train
@@ -77,10 +77,12 @@ class BrakingCurves:
     Attributes:
         case: Train, national values and line.
         basis: What the braking model was made from, for a train file.
+        remarks: Sentences on values of the files that are unusual, or above the speed of the train.
     """
 
     case: BrakingCase
     basis: TrainBasis | None = None
+    remarks: tuple[str, ...] = ()
 
     @cached_property
     def limits(self) -> "pd.DataFrame":
@@ -202,7 +204,7 @@ class BrakingCurves:
             lines.append(f"Trip location of the EoA: {trip_location(case):.1f} m{none}.")
         if self.basis is not None:
             lines.append(self._origin(self.basis))
-        return tuple(lines)
+        return (*lines, *self.remarks)
 
     def _origin(self, basis: TrainBasis) -> str:
         names = {"etcs": "[etcs]", "dispersion": "[[dispersion]]", "failures": "[failures]"}
@@ -307,9 +309,14 @@ def braking_curves(
     else:
         model, basis = model_of_train(content, values, notify)
     case = BrakingCase(model, values, track)
-    for target in track.target:
-        if target.speed >= case.ceiling:
-            raise InputError(
-                f"{track.name}: target: {target.name} is not below the permitted speed of {3.6 * case.ceiling:g} km/h"
-            )
-    return BrakingCurves(case, basis)
+    limited = {f"target: {target.name}": target.speed for target in track.target}
+    limited["release_speed"] = track.release_speed or 0.0
+    if above := [name for name, speed in limited.items() if speed >= case.ceiling]:
+        rule = f"is not below the permitted speed of {3.6 * case.ceiling:g} km/h; a number without a unit is in m/s"
+        raise InputError("\n".join(f"{track.name}: {name} {rule}" for name in above))
+    files: list[tuple[Path | None, Any]] = [(national, values), (line, track)]
+    files += [(train, content)] if basis is None else []  # `railgrip train check` gives the remarks on a train file
+    remarks = [
+        f"{file.name}: {words}." for file, table in files if file for words in doubts_of(table, model.maximum_speed)
+    ]
+    return BrakingCurves(case, basis, tuple(remarks))

@@ -74,7 +74,8 @@ def test_too_few_draws_have_no_intervals_and_the_first_sentence_says_so(commuter
     """A measure that halves what a rail adds to the dry distance; the safe factor is that of the mean on wet rails."""
     longer = draws_of(4, count=count)
     chain = chain_with(commuter, brake, [longer, (longer + DRY) / 2])
-    first, *rest = sentences_of(chain)
+    first, *rest, remark = sentences_of(chain)
+    assert "Line commuter: [speed[1]] speed is 120 km/h (33.3333 m/s), above the maximum speed of the train" in remark
     assert first.startswith(f"{100 * max(chain.beyond()):.1f} % of the stops are longer than the safe factor ")
     assert (f"{count} draws on each rail are too few" in first) != has_interval
     cells = [*gain_table(chain).texts[1].values(), *cost_table(chain).texts[1].values(), first, *rest]

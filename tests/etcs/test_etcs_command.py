@@ -105,6 +105,35 @@ traction_cut_off_time = "1 s"
 """
 
 
+LEVEL = 'target = [{ kind = "EoA", at = 5000 }, { kind = "SvL", at = 5000 }]\n'
+GIVEN = 'target = [{ kind = "EoA", at = 9 }, { kind = "SvL", at = 9 }]\nrelease = "given"\n'
+
+
+STEPS = "service = [{ above = 0, deceleration = 1 }, { above = 60, deceleration = 1 }]"
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "figure", "remark"),
+    [
+        ("national", "M_NVKVINT_passenger = [[0, 0.7, 0.7], ['100 km/h', 0.5, 0.5]]", "2380.8 m", ""),
+        ("national", "M_NVKVINT_passenger = [[0, 0.7, 0.7], [100, 0.5, 0.5]]", "1933.5 m", "] is 100 m/s; usual are"),
+        ("national", "M_NVKVINT_passenger = [[0, 0.7, 0.7], [80, 0.5, 0.5]]", "1933.5 m", "[2][1] is 288 km/h (80"),
+        ("line", LEVEL + "speed = '140 km/h'", "EBI 149.8 km/h", ""),
+        ("line", LEVEL + "speed = 140", "EBI 171.2 km/h", " speed is 140 m/s; usual are 0 to 95 m/s"),
+        ("line", LEVEL + "speed = '200 km/h'", "EBI 171.2 km/h", "(55.5556 m/s), above the maximum speed of the train"),
+        ("train", re.sub("service = .*]", STEPS, GAMMA), "", "[service[2]] above is 216 km/h (60 m/s), above"),
+    ],
+)  # fmt: skip
+def test_speeds_above_that_of_the_train_have_a_remark(file, text, figure, remark, files):
+    """Numbers without a unit are in m/s; figures are the intervention before the SvL and the ceiling of 140 km/h."""
+    train, national, line = files(**{"train": PERCENT, "national": "", "line": LEVEL, file: text})
+    curves = rg.etcs(train, national, line)
+    assert figure in "\n".join((str(curves.table), *curves.sentences))
+    assert [remark in line for line in curves.remarks] == [True] * bool(remark)
+    assert curves.sentences[len(curves.sentences) - len(curves.remarks) :] == curves.remarks
+    assert all(f"{file}.toml: " in line and line.endswith("unit is in m/s.") for line in curves.remarks)
+
+
 @pytest.mark.parametrize(
     ("train", "line", "national", "sentences"),
     [
@@ -132,6 +161,7 @@ traction_cut_off_time = "1 s"
         (PERCENT, 'release = "calculated"', "", ["needs balise"]),
         (PERCENT, 'release_speed = "20 km/h"', "", ["need each other"]),
         (PERCENT, 'release = "national"\ntarget = [{ kind = "EoA", at = 9 }]', "", ["release needs a target"]),
+        (PERCENT, GIVEN + "release_speed = 39\nspeed = 30", "", ["release_speed is not below the permitted", "of 108"]),
         (PERCENT, "low_adhesion = [{ begin = 5, end = 4 }]", "", ["end 4 m is not behind begin 5 m"]),
         (PERCENT, "gradient = [{ begin = 5, slope = 0.3 }]", "", ["slope must be below 0.2"]),
         (GAMMA, "gradient = [{ begin = 0, slope = -0.19 }]\ntarget = [{ kind = \"EoA\", at = 5000 }]", "",
@@ -139,8 +169,7 @@ traction_cut_off_time = "1 s"
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_said_in_a_sentence(train, line, national, sentences, files, tmp_path, command):
-    level = 'target = [{ kind = "EoA", at = 5000 }, { kind = "SvL", at = 5000 }]\n'
-    paths = files(train=train, line=line if "target" in line else level + line, national=national)
+    paths = files(train=train, line=line if "target" in line else LEVEL + line, national=national)
     end = command("study", "etcs", paths[0], "--line", paths[1], "--national", paths[2], "--out", tmp_path / "out")
     assert end.code == 2, end.out
     for sentence in sentences:

@@ -34,6 +34,7 @@ from railgrip.studies.benefit.chain import (
 from railgrip.studies.benefit.line import load_study_line, measures_of
 from railgrip.studies.study import Study
 from railgrip.supervision.headway import headways
+from railgrip.supervision.line import doubts_of
 from railgrip.supervision.trains import maximum_speed, read_train
 
 PAGE = Path("docs/benefit.md")
@@ -254,6 +255,7 @@ def sentences_of(chain: BenefitChain) -> list[str]:
         "their square root."
     )
     lines.append(f"M_NVAVADH {origin}: {m_nvavadh}, the same for all measures.")
+    lines += [f"Line {line.name}: {words}." for words in doubts_of(line, chain.models[0].maximum_speed)]
     return lines
 
 

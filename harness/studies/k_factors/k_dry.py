@@ -124,7 +124,7 @@ def _require_below(specification: KFactorSpecification, origin: str, speed: floa
     if specification.speed_steps and specification.speed_steps[-1] >= speed:
         raise ScenarioError(
             f"{origin}: speed_steps end at {specification.speed_steps[-1]:g} m/s; they must stay below {name}, "
-            f"{speed:g} m/s"
+            f"{speed:g} m/s, which is also the unit of a number without one"
         )
 
 
