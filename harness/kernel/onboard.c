@@ -174,8 +174,9 @@ static double body_force(Cycle *c)
         largest = fmax(largest, onboard->command[g]);
     input[BODY_FORCE_INPUT_SPEED] = onboard->estimate[ESTIMATE_SPEED];
     input[BODY_FORCE_INPUT_APPLIED] = largest > 0.0;
-#ifdef INPUT_BRAKE_DEMAND /* brakes on the rail are for emergencies, and the valves of the groups open before */
-    input[BODY_FORCE_INPUT_APPLIED] *= largest_share(onboard, onboard->driver_demand) >= 1.0;
+    input[BODY_FORCE_INPUT_EMERGENCY] = 1.0;
+#ifdef INPUT_BRAKE_DEMAND
+    input[BODY_FORCE_INPUT_EMERGENCY] = largest_share(onboard, onboard->driver_demand) >= 1.0;
 #endif
     input[BODY_FORCE_INPUT_MAGNETS] = magnets_demanded(onboard, onboard->driver_demand);
     evaluate(&c->filter->body_force, input, &force);

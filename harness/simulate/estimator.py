@@ -7,7 +7,7 @@ slide protection then releases wheelsets that roll.
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from math import inf
+from math import ceil, inf
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,7 @@ from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmi import Description, FmuPrediction, SteppedFmuPrediction
 from railgrip.fmus.native import Model
 from railgrip.fmus.recipe import FmiType
-from railgrip.rolling_stock.brakes import RailBrake, TrackBrake
+from railgrip.rolling_stock.brakes import TrackBrake
 from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.onboard import KalmanFilter
@@ -323,6 +323,8 @@ def _noise(table: KalmanFilter, *, has_ideal_sensors: bool) -> NoiseSet:
 
 
 _STANDING = 0.1  # m/s, below which friction falls to 0 linearly, as in RailBraking.Components.MagneticTrackBrake
+_FASTEST_MAGNETS = 56.0  # m/s, above which that does not lower magnets
+_DELAY_PERIOD = 0.01  # s, of its RailBraking.Pneumatics.DelayLine
 
 
 def body_force_of(train: Train, period: float) -> Sampled | None:
@@ -340,35 +342,49 @@ def body_force_of(train: Train, period: float) -> Sampled | None:
 def _formula(train: Train, period: float) -> SampledSystem:
     """Return the formula; it has states only for brakes on the rail, whose force depends on earlier commands."""
     draft = FormulaBuilder()
-    ((speed,), (braking,), (magnets,)) = draft.vector(BODY_FORCE_INPUTS, 1)
+    ((speed,), (braking,), (emergency,), (magnets,)) = draft.vector(BODY_FORCE_INPUTS, 1)
     speed = choose(speed > 0.0, speed, 0.0)
+    on_magnets: Expression = 0.0
+    on_eddy_currents: Expression = 0.0
+    delayed: dict[float, Expression] = {}
     force: Expression = 0.0
-    applied: Expression = 0.0
     if train.rail_brakes:
         before = draft.state("applied", "1", "1 once the brakes have been applied")
         applied = either(before > 0.5, braking > 0.5)
         draft.keep(before, choose(applied, 1.0, 0.0))
+        on_magnets = choose(every(applied, magnets > 0.5, speed <= _FASTEST_MAGNETS), 1.0, 0.0)
+        on_eddy_currents = choose(every(applied, emergency > 0.5), 1.0, 0.0)
     for number, (*_, brake) in enumerate(train.rail_brakes, start=1):
-        is_on = applied
+        lagged = draft.state(f"lagged[{number}]", "1", "field over the full one, or force of an eddy-current brake [N]")
         if isinstance(brake, TrackBrake):
-            since = draft.state(f"lowering[{number}]", "s", "since the magnets have been demanded")
-            for_now = choose(every(applied, magnets > 0.5), since + period, 0.0)
-            draft.keep(since, for_now)
-            is_on = for_now > brake.delay
-        field = draft.state(f"field[{number}]", "1", "force relative to that of the full field")
-        share = period / (brake.time_constant + period)
-        now = field + share * (choose(is_on, 1.0, 0.0) - field)
-        draft.keep(field, now)
-        force += now * _developed(brake, speed)
+            if brake.delay not in delayed:
+                delayed[brake.delay] = _delay(draft, on_magnets, brake.delay, period)
+            target, full = delayed[brake.delay], brake.force_at(speed)
+        else:
+            # As `force_at` of such a brake, whose limits are those of NumPy.
+            fade = within((speed - brake.speed_end) / (brake.speed_full - brake.speed_end), 0.0, 1.0)
+            full = brake.before_fade(speed) * fade
+            target = on_eddy_currents * full
+        now = lagged + period / (brake.time_constant + period) * (target - lagged)
+        draft.keep(lagged, now)
+        force += now * full if isinstance(brake, TrackBrake) else choose(now < full, now, full)
     force = train.linear_resistance * speed + force * within(speed / _STANDING, 0.0, 1.0)
     draft.output("force", "N", "braking force on the body", force)
     return draft.formula("BodyForce", "Force of brakes on the rail itself and of linear resistance")
 
 
-def _developed(brake: RailBrake, speed: Expression) -> Expression:
-    """Return the developed force of one bogie's brake at a speed [N]."""
-    if isinstance(brake, TrackBrake):
-        return brake.force_at(speed)
-    # As `force_at` of such a brake, whose limits are those of NumPy.
-    fade = within((speed - brake.speed_end) / (brake.speed_full - brake.speed_end), 0.0, 1.0)
-    return brake.before_fade(speed) * fade
+def _delay(draft: FormulaBuilder, command: Expression, delay: float, period: float) -> Expression:
+    """Return a command after a delay [s], sampled and interpolated as by RailBraking.Pneumatics.DelayLine."""
+    step = max(period, _DELAY_PERIOD)
+    clock = draft.state(f"clock[{delay:g}]", "s", "since the command of magnets was sampled", start=step)
+    is_due = clock > step - 0.5 * period
+    draft.keep(clock, choose(is_due, clock - step, clock) + period)
+    result: Expression = 0.0
+    newer = command
+    for place in range(ceil(delay / step) + 1):
+        sample = draft.state(f"command[{delay:g},{place + 1}]", "1", "sampled command of magnets, the newest first")
+        now = choose(is_due, newer, sample)
+        draft.keep(sample, now)
+        result += max(0.0, 1.0 - abs(delay / step - place)) * now
+        newer = sample
+    return result

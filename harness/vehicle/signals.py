@@ -225,6 +225,7 @@ REFERENCE_INPUTS = (
 BODY_FORCE_INPUTS = (
     Signal("speed", "train", "m/s", "estimated speed of the train"),
     Signal("applied", "train", "1", "1 while any group is to brake"),
+    Signal("emergency", "train", "1", "1 while the command of the train, if it has one, is for full braking"),
     Signal("magnets", "train", "1", "demand for the magnetic track brakes: 1 lowered, 0 lifted"),
 )
 """Inputs of the formula for the braking force on the body, which the estimator assumes."""
