@@ -33,7 +33,7 @@ from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.loop.interfaces import Clock, LoopController, Parts, StateEstimator
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.plausible import Plausibility
-from railgrip.simulate.remarks import remarks_after, remarks_before, remarks_on_use, remarks_on_vehicle
+from railgrip.simulate.remarks import remarks_after, remarks_before, remarks_on_use, remarks_on_vehicle, target_of
 from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomParts, UserParts
 from railgrip.simulate.value_checks import DemandLimits
 from railgrip.simulate.vehicle_data import Opening, VehicleData
@@ -289,7 +289,11 @@ def evaluate_stop(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus
             samples=ending.samples,
         )
     metrics = measure(
-        trace, outcome=ending.outcome, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind
+        trace,
+        outcome=ending.outcome,
+        alpha_max=scenario.limits.alpha_max,
+        actuation=scenario.actuation.kind,
+        target=target_of(scenario),
     )
     since = (
         "" if scenario.demand is None else f" {metrics.distance_travelled:.2f} m of that since the first brake demand."

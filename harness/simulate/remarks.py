@@ -6,12 +6,14 @@ in docs/limits_of_checks.md.
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from math import nan
 
 from railgrip.base import registry
 from railgrip.base.names import ElementName
 from railgrip.base.units import GRAVITY
 from railgrip.controllers.law import GroupLaw
 from railgrip.rolling_stock.schema import load_train
+from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.adhesion import reach_of
 from railgrip.scenario.demand import PhaseEnd
 from railgrip.scenario.faults import amount_of
@@ -37,6 +39,7 @@ _ROUNDING = 1e-3
 """Share by which a pressure may differ because of rounding or a perturbation."""
 _STEEP = 0.04
 """Gradient beyond which a line from a file is unusual."""
+_MISS = 5.0  # m; a driver who stops at a platform is within a few metres
 _WEAKEST_FORCE = 100.0  # N; less accelerates a car of 40 t by 2.5 mm/s2
 
 
@@ -53,6 +56,7 @@ def remarks_before(scenario: Scenario) -> list[str]:
         *_line(scenario),
         *_controller(scenario),
         *_driver(scenario),
+        *_target(scenario),
         *_faults(scenario),
     ]
     return [
@@ -173,13 +177,48 @@ def remarks_after(scenario: Scenario, duration: float, distance: float) -> list[
 
 
 def remarks_on_use(scenario: Scenario, metrics: Metrics) -> list[str]:
-    """Return a remark if a stop uses more adhesion than the ideal bound allows.
+    """Return a remark if a stop misses its target, and one if it uses more adhesion than the ideal bound allows.
 
     The stop of the bound itself has none: the definition of `utilisation` explains it, and the sentence would suspect
     brakes that the bound has.
     """
-    sentence = "" if scenario.controller.kind == "ideal_bound" else metrics.excess_over_bound()
-    return [f"{scenario.name}: {sentence}"] if sentence else []
+    sentences = ["" if scenario.controller.kind == "ideal_bound" else metrics.excess_over_bound()]
+    if abs(error := metrics.target_error) > _MISS:
+        side = "behind" if error > 0.0 else "before"
+        sentences.append(f"the train stopped {abs(error):.4g} m {side} its target at {target_of(scenario):g} m.")
+    return [f"{scenario.name}: {sentence}" for sentence in sentences if sentence]
+
+
+def target_of(scenario: Scenario) -> float:
+    """Return the distance of the last target of the driver, or of that of the law, from the start [m]; NaN without."""
+    phases = () if scenario.demand is None else scenario.demand.phases
+    of_driver = [phase.stop_at.distance for phase in phases if phase.stop_at is not None]
+    return _target_of_law(scenario) or (of_driver[-1] if of_driver else nan)
+
+
+def _target_of_law(scenario: Scenario) -> float:
+    """Return the parameter `target` that the scenario gives a built-in law [m]; 0 without one."""
+    table = scenario.controller
+    given = table.parameters.get("target") if isinstance(table, BuiltInLaw) else None
+    return 0.0 if given is None else in_units("[controller.parameters]", {"target": given}, {"target": "m"})["target"]
+
+
+def _target(scenario: Scenario) -> Iterator[str]:
+    """Yield a sentence if the brakes of a train cannot stop it at a target that it approaches from the start."""
+    source, speed, target = scenario.vehicle.source, scenario.start.speed, target_of(scenario)
+    aim = None if scenario.demand is None or not scenario.demand.phases else scenario.demand.phases[0].stop_at
+    if aim is None and not _target_of_law(scenario):
+        return
+    shortest, brake = 0.0, "the full_deceleration of [demand.phases[1]] stop_at"
+    if aim is not None:
+        shortest = speed**2 / (2.0 * aim.full_deceleration)
+    elif isinstance(source, TrainFile):
+        shortest, brake = by_hand(load_train(source.file.path), speed).distance, "the emergency brake on dry rail"
+    if shortest > target:
+        yield (
+            f"the target at {target:g} m cannot be reached: from {3.6 * speed:g} km/h the train takes {shortest:.4g} m "
+            f"with {brake}"
+        )
 
 
 def _speed(scenario: Scenario) -> Iterator[str]:

@@ -45,12 +45,14 @@ class MeasuredStop:
         outcome: How the stop ended.
         alpha_max: Greatest adhesion that may be used.
         actuation: "ideal" or "pneumatic": what the commands in the trace mean.
+        target: Distance of the target from the start [m]; NaN without one.
     """
 
     trace: xarray.Dataset
     outcome: Outcome
     alpha_max: float
     actuation: str
+    target: float = math.nan
 
     @cached_property
     def jerk(self) -> tuple[float, float]:
@@ -164,6 +166,10 @@ class Metrics:
     distance_travelled: Annotated[float, Figure("m",
         "distance from the brake demand to the end, however the stop ended",
         lambda stop: measures.distance_travelled(stop.trace))]
+    target_error: Annotated[float, Figure("m",
+        "place of standstill behind the target of the driver or of the law; negative before it, none without a target",
+        lambda stop: float(stop.trace["distance"].values[-1]) - stop.target
+        if stop.outcome is Outcome.STANDSTILL else math.nan, title="error of the stopping point")]
     duration: Annotated[float, Figure("s", "time from the brake demand to the end of the stop",
         lambda stop: measures.duration(stop.trace), column="duration", form="{:.1f} s", better="less")]
     mean_deceleration: Annotated[float, Figure("m/s2", "mean over the distance travelled, (v0^2 - v1^2)/(2 s)",
@@ -401,7 +407,9 @@ def _table() -> type[BaseModel]:
     return create_model("StoredMetrics", __config__=ConfigDict(strict=True, extra="forbid"), **fields)
 
 
-def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuation: str) -> Metrics:
+def measure(
+    trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuation: str, target: float = math.nan
+) -> Metrics:
     """Return the figures of a stop.
 
     Args:
@@ -410,9 +418,10 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         outcome: How the stop ended.
         alpha_max: Greatest adhesion that may be used.
         actuation: "ideal" or "pneumatic": what the commands in the trace mean.
+        target: Distance of the target from the start [m]; NaN without one.
     """
     braking = measures.since_brake_demand(trace)
-    stop = MeasuredStop(trace=braking, outcome=outcome, alpha_max=alpha_max, actuation=actuation)
+    stop = MeasuredStop(trace=braking, outcome=outcome, alpha_max=alpha_max, actuation=actuation, target=target)
     values: dict[str, Any] = {name: figure.formula(stop) for name, figure in FIGURES.items()}
     return Metrics(**values)
 

@@ -11,6 +11,7 @@ import railgrip as rg
 from railgrip.base.registry import shelf
 from railgrip.report.index import stop_page
 from railgrip.report.stop import read_stop
+from railgrip.simulate.remarks import remarks_before
 
 CHANGES = {
     "estimator": {"kind": "none"},
@@ -97,3 +98,35 @@ def test_a_pressure_that_the_controller_never_demands_is_announced(plant, contro
     assert any("p_max" in sentence for sentence in stop.remarks) == announced
     usual = stop.trace["cylinder_pressure"].values.max(axis=0) == pytest.approx([3.4e5, 2e5, 2e5, 3.4e5], rel=1e-2)
     assert usual == announced
+
+
+@pytest.mark.parametrize(("distance", "is_missed"), [("100 m", True), ("600 m", False)])
+def test_a_target_that_the_brakes_do_not_reach_has_remarks_and_an_error(distance, is_missed):
+    aim = {"distance": distance, "deceleration": "0.8 m/s2", "full_deceleration": "1.0 m/s2"}
+    changes = {
+        "estimator": {"kind": "none"},
+        "controller": {"kind": "full_brake"},
+        "sensors": {"kind": "ideal"},
+        "adhesion.mu0": 0.3,
+        "start.speed": "80 km/h",
+        "demand": {"phases": [{"stop_at": aim}]},
+    }
+    stop = rg.run(rg.Scenario.load("plain", changes))
+    error = float(stop.trace["distance"][-1]) - float(distance.split()[0])
+    assert stop.metrics.target_error == pytest.approx(error)
+    assert (error > 100.0, abs(error) < 5.0) == (is_missed, not is_missed)
+    about = [remark for remark in stop.remarks if "target" in remark]
+    missed = [
+        "plain: the target at 100 m cannot be reached: from 80 km/h the train takes 246.9 m with the full_deceleration "
+        "of [demand.phases[1]] stop_at.",
+        f"plain: the train stopped {error:.4g} m behind its target at 100 m.",
+    ]
+    assert about == (missed if is_missed else [])
+
+
+@pytest.mark.parametrize(("target", "is_said"), [("30 m", True), ("120 m", False)])
+def test_a_target_of_the_law_within_the_emergency_brake_distance_is_said_before_the_stop(target, is_said):
+    law = {"kind": "deceleration_control", "parameters": {"target": target}}
+    stop = rg.Scenario.load("plain", {"controller": law, "start.speed": "55 km/h"})
+    remarks = remarks_before(stop.replaced({"vehicle": {"train": "tram"}}))
+    assert any("the target at 30 m cannot be reached" in remark for remark in remarks) == is_said
