@@ -26,6 +26,9 @@ from railgrip.fmus.recipe import MODELICA
         ("rev/min", "s-1.rad", 2 * math.pi / 60),
         ("rpm", "s-1.rad", 2 * math.pi / 60),
         ("J/(kg.K)", "m2.s-2.K-1", 1.0),
+        ("N/(km/h)", "kg.s-1", 3.6),
+        ("kN/(km/h)2", "kg.m-1", 12960.0),
+        ("N/(m/s)²", "kg.m-1", 1.0),
         ("kg.m2", "kg.m2", 1.0),
         ("mm", "m", 1e-3),
         ("ms", "s", 1e-3),
@@ -61,7 +64,8 @@ def test_a_unit_string_has_its_defined_meaning(text: str, dimension: str, factor
 
 
 @pytest.mark.parametrize(
-    "text", ["parsec", "J/kg.K", "m//s", "kN.", "k", "kh", "kPas", "Ns", "mkg", "2 m", "m**9**9", "m" * 5000]
+    "text",
+    ["parsec", "J/kg.K", "kN/t/(km/h)", "m//s", "kN.", "k", "kh", "kPas", "Ns", "mkg", "2 m", "m**9**9", "m" * 5000],
 )
 def test_an_unknown_unit_is_refused(text: str):
     with pytest.raises(UnitError, match="is not a unit known here"):
