@@ -292,7 +292,11 @@ def _gpx_points(path: Path) -> tuple[list[int], Array, Array]:
                 f"line {parser.CurrentLineNumber}: a second track (trk) begins; a line is one, remove others"
             )
         if name == "trkpt":
-            open_point.update(line=parser.CurrentLineNumber, ele="", inside=False, **attributes)
+            if "line" in open_point:
+                raise ValueError(
+                    f"line {parser.CurrentLineNumber}: a point (trkpt) begins within a point; close it first"
+                )
+            open_point.update(attributes | {"line": parser.CurrentLineNumber, "ele": "", "inside": False})
         open_point["inside"] = name == "ele" and "line" in open_point
 
     def text(characters: str) -> None:

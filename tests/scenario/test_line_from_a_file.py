@@ -64,9 +64,11 @@ def test_a_receiver_at_rest_adds_nothing_to_the_length(tmp_path):
     np.testing.assert_allclose(rested.chainages, run.chainages)
 
 
-def test_a_gpx_track_has_the_length_of_the_meridian(tmp_path):
+@pytest.mark.parametrize("attribute", ["", 'ele="500" ', 'line="1" ', 'inside="true" '])
+def test_a_gpx_track_has_the_length_of_the_meridian(tmp_path, attribute):
     """A degree of latitude at 47.005° is 111132.954 − 559.822 cos 2φ + 1.175 cos 4φ m (WGS84)."""
-    (tmp_path / "line.gpx").write_text(GPX.format(47.0, 47.0, 47.01, 47.02), encoding="utf-8")
+    text = GPX.format(47.0, 47.0, 47.01, 47.02).replace("<trkpt ", f"<trkpt {attribute}")
+    (tmp_path / "line.gpx").write_text(text, encoding="utf-8")
     line = read_line(tmp_path / "line.gpx", 0.2)
     phi = np.radians(47.005)
     length = 0.01 * (111132.954 - 559.822 * np.cos(2 * phi) + 1.175 * np.cos(4 * phi))
@@ -77,6 +79,9 @@ def test_a_gpx_track_has_the_length_of_the_meridian(tmp_path):
 
 AT_0 = {"origin": "0 m"}
 """Keys of a line that is a GPX file."""
+
+
+POINT_IN_A_POINT = '<gpx><trk>\n<trkpt lat="4" lon="8">\n<trkpt/></trkpt></trk></gpx>'
 
 
 @pytest.mark.parametrize(
@@ -101,6 +106,7 @@ AT_0 = {"origin": "0 m"}
         (GPX.format(47.0, 47.0, 47.0, 47.0), AT_0, "at one place"),
         ("<gpx></gpx>", AT_0, "has 0 points"),
         ("<gpx>\n<trk/>\n<trk/></gpx>", AT_0, "line 3: a second track"),
+        (POINT_IN_A_POINT, AT_0, "line 3: a point .* within a point"),
         ("distance,slope\n0,0\n", AT_0, "is not XML"),
         ('<!DOCTYPE gpx [<!ENTITY a "b">]><gpx></gpx>', AT_0, "document type"),
         (GPX.format(47.0, 47.0, 47.01, 47.02).replace("110", "1100"), AT_0, "line 5: the height changes by 1000 m"),
