@@ -208,7 +208,7 @@ def test_a_rail_on_which_the_train_does_not_stop_is_refused(few_draws, monkeypat
         chain_of(Benefit(EMU, "sand", Path("leaves"), draws=2), Here())
 
 
-MEASURE = "[measure.m]\ndescription = 'abc'\nsource = 'abc'\nscenario."
+MEASURE = "[measure.m]\ndescription = 'abc'\nsource = 'abc'\n"
 
 
 @pytest.mark.parametrize(
@@ -219,13 +219,17 @@ MEASURE = "[measure.m]\ndescription = 'abc'\nsource = 'abc'\nscenario."
         ("level = [0.8, 1.2]", "level = [1.2, 0.8]", "sand", "level of autumn, leaves falls from 1.2 to 0.8"),
         ('kind = "points"', 'level = 2, kind = "points"', "sand", "give [[rail]] level instead"),
         ('setup = "8 s"', "", "sand", "[times] has no 'setup'"),
-        (
-            "[times]",
-            f"{MEASURE}start.speed = 9\n[times]",
-            "sand",
-            "scenario has start, which is the same with and ",
+        *(
+            ("[times]", f"{MEASURE}{line}\n[times]", "sand", sentence)
+            for line, sentence in (
+                ("scenario.start.speed = 9", "scenario has start, which is the same with and "),
+                ("scenario.adhesion.level = 9", "scenario has adhesion.level"),
+                ("scenario.adhesion = 0.2", "adhesion is 0.2, but a table is expected"),
+                ("scenario.adhesion = [1]", "adhesion is [1], but a table is expected"),
+                ("bogie.track_brake = 2020-01-01", "bogie.track_brake is neither a text"),
+                ("train.pads.a = [1, nan]", "train.pads.a.2 is neither a text, a finite number"),
+            )
         ),
-        ("[times]", f"{MEASURE}adhesion.level = 9\n[times]", "sand", "scenario has adhesion.level"),
         ('margin = "50 m"', 'margin = "50 s"', "sand", "[times] margin"),
         ("", "", "sandd", "there is no measure 'sandd'"),
         ("", "", "", "names no measure"),

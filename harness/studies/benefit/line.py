@@ -1,15 +1,16 @@
 """The line of `study benefit`: its rails with their probabilities, its signalling, and measures of the user."""
 
-from collections.abc import Mapping
-from math import isclose
+from collections.abc import Iterator, Mapping
+from math import isclose, isfinite
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, cast
 
 from pydantic import Field, StrictBool, model_validator
 
 from railgrip.base.errors import InputError
 from railgrip.base.names import did_you_mean
 from railgrip.base.registry import ANALYSES, names
+from railgrip.base.units import short
 from railgrip.scenario.file import OtherFileString, is_file
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import UnitRange
@@ -39,11 +40,27 @@ class Measure(Table):
 
     @model_validator(mode="after")
     def _leaves_stops_alike(self) -> Self:
+        adhesion = self.scenario.get("adhesion", {})
+        if not isinstance(adhesion, Mapping):
+            raise table_error(f"scenario.adhesion is {short(adhesion)}, but a table is expected, as in a scenario file")
+        for name in ("scenario", "bogie", "train"):
+            if odd := next(_odd_values(name, getattr(self, name)), None):
+                raise table_error(f"{odd} is neither a text, a finite number, true nor false")
         taken = [key for key in self.scenario if key in _OF_ALL]
-        taken += ["adhesion.level"] if "level" in self.scenario.get("adhesion", {}) else []
+        taken += ["adhesion.level"] if "level" in adhesion else []
         if taken:
             raise table_error(f"scenario has {', '.join(taken)}, which is the same with and without a measure; omit it")
         return self
+
+
+def _odd_values(key: str, entry: object) -> Iterator[str]:
+    """Yield the keys of dates, times, infinities and NaN, which no quantity of a file is."""
+    if isinstance(entry, Mapping | list):
+        table = cast("Mapping[str, object]", entry if isinstance(entry, Mapping) else dict(enumerate(entry, start=1)))
+        for name, value in table.items():
+            yield from _odd_values(f"{key}.{name}", value)
+    elif not isinstance(entry, str | int | float) or (isinstance(entry, float) and not isfinite(entry)):
+        yield key
 
 
 class SeasonalRail(Table):
