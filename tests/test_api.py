@@ -215,6 +215,8 @@ def test_a_stop_stepped_by_hand_equals_that_of_the_loop(scenario):
 
     ours = rg.run(scenario, controller=Full)
     with rg.open(scenario) as bench:
+        with pytest.raises(ScenarioError, match=r"formation is known after reset\(\)"):
+            _ = bench.formation
         for _ in range(2):
             observation = bench.reset()
             assert observation.time == 0.0
@@ -228,6 +230,23 @@ def test_a_stop_stepped_by_hand_equals_that_of_the_loop(scenario):
             bench.step([1.0, 2.0, 3.0])
         with pytest.raises(ScenarioError, match="no stop before it has ended"):
             _ = bench.stop
+
+
+@pytest.mark.parametrize("use", ["step", "reset", "stop", "enter"])
+@pytest.mark.parametrize("begun", [True, False])
+def test_a_closed_bench_is_refused(scenario, begun, use):
+    """A step would call the plant in C, whose memory is free."""
+    with rg.open(scenario) as bench:
+        if begun:
+            bench.reset()
+    uses = {
+        "step": lambda: bench.step(np.full(4, 2e5)), "reset": bench.reset, "stop": lambda: bench.stop,
+        "enter": bench.__enter__,
+    }  # fmt: skip
+    with pytest.raises(ScenarioError, match="the bench is closed"):
+        uses[use]()
+    bench.close()
+    assert not bench.ended
 
 
 def test_a_sweep_of_fifty_stops_yields_an_ordered_table(scenario):

@@ -138,8 +138,10 @@ class Bench:
         self._observation: Observation | None = None
         self._end: Ending | None = None
         self._stop: Stop | None = None
+        self._is_closed = False
 
     def __enter__(self) -> Self:
+        self._require_open()
         return self
 
     def __exit__(
@@ -154,7 +156,13 @@ class Bench:
 
     @property
     def formation(self) -> Formation:
-        """Formation under control; available after `reset`."""
+        """Formation under control.
+
+        Raises:
+            ScenarioError: The stop has never been started.
+        """
+        if self._parts is None:
+            raise ScenarioError("bench: the formation is known after reset()")
         return self._law.formation
 
     @property
@@ -165,6 +173,7 @@ class Bench:
             ScenarioError: The stop has not ended.
         """
         if self._end is None or self._parts is None:
+            self._require_open()
             raise ScenarioError("bench: there is no stop before it has ended; go on with step() until `ended`")
         if self._stop is None:
             self._stop = self._parts.stop(self._end)
@@ -174,10 +183,12 @@ class Bench:
         """Start or restart the stop, and return the observation at the brake demand.
 
         Raises:
-            ScenarioError: The scenario asks for something that its parts cannot do, or ends before a decision.
+            ScenarioError: The scenario asks for something that its parts cannot do, or ends before a decision; or the
+                bench is closed.
             FmuError: An FMU does not fit.
         """
-        self.close()
+        self._require_open()
+        self._stack.close()
         self._loop = self._observation = self._end = self._stop = None
         self._parts = self._stack.enter_context(assemble(self._scenario, objects=self._objects))
         self._advance()
@@ -193,8 +204,10 @@ class Bench:
             pressures: Demanded brake cylinder pressure of each group, shape (groups,) [Pa].
 
         Raises:
-            ScenarioError: The pressures are not finite numbers of that shape, or the stop has not begun or has ended.
+            ScenarioError: The pressures are not finite numbers of that shape, the stop has not begun or has ended, or
+                the bench is closed.
         """
+        self._require_open()
         if self._observation is None or self._end is not None:
             raise ScenarioError("bench: reset() comes before step(), and again after the end of a stop")
         groups = self.formation.groups
@@ -209,8 +222,14 @@ class Bench:
         return self._observation
 
     def close(self) -> None:
-        """Close the plant and the other parts; an unfinished stop is discarded."""
+        """Close the plant and the other parts for good; an unfinished stop is discarded."""
+        self._is_closed = True
         self._stack.close()
+
+    def _require_open(self) -> None:
+        # The loop in C would use the memory of parts that has been freed.
+        if self._is_closed:
+            raise ScenarioError("bench: the bench is closed; open another one and step it within its `with`")
 
     def _advance(self) -> None:
         assert self._parts is not None
