@@ -1,9 +1,11 @@
 """The public interface behaves as documented, and errors in a user's class are reported in a sentence."""
 
 import json
+import os
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -247,6 +249,19 @@ def test_a_closed_bench_is_refused(scenario, begun, use):
         uses[use]()
     bench.close()
     assert not bench.ended
+
+
+def test_stops_in_threads_equal_others_and_keep_the_folder_of_the_process(scenario, monkeypatch):
+    """All threads have the same current folder: one that changes it moves the relative paths of the others."""
+    alone = rg.run(scenario, controller=BangBang).trace
+
+    def forbidden(folder):
+        raise AssertionError(f"changed to {folder}")
+
+    monkeypatch.setattr(os, "chdir", forbidden)
+    with ThreadPoolExecutor(8) as threads:
+        stops = threads.map(lambda _: rg.run(scenario, controller=BangBang), range(8))
+        assert all(stop.trace.identical(alone) for stop in stops)
 
 
 def test_a_sweep_of_fifty_stops_yields_an_ordered_table(scenario):

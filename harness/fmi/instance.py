@@ -17,14 +17,15 @@ import tempfile
 import zipfile
 import zlib
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from contextlib import chdir, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
+from threading import Lock
 from typing import Any, Final, Literal, cast
 
 import fmpy
-from fmpy.fmi1 import FMICallException
+from fmpy.fmi1 import _FMU, FMICallException  # pyright: ignore[reportPrivateUsage] - base of the classes below
 from fmpy.fmi2 import (
     FMU2Model,
     FMU2Slave,
@@ -136,9 +137,24 @@ def _some(description: Description) -> str:
 
 
 Way = Literal["co-simulation", "model exchange"]
+
+
+class _LoadedInPlace(_FMU):
+    # FMPy changes to the folder of a library while it loads it, in all threads of the process. The loader needs no such
+    # folder: dependencies of a library at an absolute path are found by its own search path, on Windows in its folder.
+
+    def __init__(self, *, libraryPath: str, **names: str) -> None:
+        defaults = {"fmiCallLogger": None, "requireFunctions": True, "component": None, "callbacks": None}
+        vars(self).update(names, **defaults, _functions={}, dll=ctypes.CDLL(libraryPath))
+        self._loadFunctions()
+
+
 _CLASSES: Final = {
-    (2, "co-simulation"): FMU2Slave, (2, "model exchange"): FMU2Model,
-    (3, "co-simulation"): FMU3Slave, (3, "model exchange"): FMU3Model,
+    (fmi, way): type(base.__name__, (base, _LoadedInPlace), {})
+    for fmi, way, base in (
+        (2, "co-simulation", FMU2Slave), (2, "model exchange", FMU2Model),
+        (3, "co-simulation", FMU3Slave), (3, "model exchange", FMU3Model),
+    )
 }  # fmt: skip
 """Class of FMPy by FMI version and interface."""
 
@@ -201,6 +217,9 @@ def unpack(description: Description) -> Generator[Path]:
 _SOLVER_LINES: Final = re.compile(rb"^LOG_SOLVER .*\n(?:\|.*\n)*", re.MULTILINE)
 
 
+_STANDARD_OUTPUT: Final = Lock()
+
+
 @contextmanager
 def _without_solver_lines(description: Description) -> Generator[None]:
     # OpenModelica FMUs print a dozen lines with printf whatever logging is set (fmu_read_flags.c of its FMI export),
@@ -209,7 +228,8 @@ def _without_solver_lines(description: Description) -> Generator[None]:
         yield
         return
     libc = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
-    with tempfile.TemporaryFile() as file:
+    # Two threads that redirect it at a time could restore each other's file.
+    with _STANDARD_OUTPUT, tempfile.TemporaryFile() as file:
         sys.stdout.flush()
         libc.fflush(None)
         before = os.dup(1)
@@ -244,15 +264,15 @@ class Instance:
         self.description = description
         interface = _interface(description, way)
         try:
-            # FMPy changes to the folder of the library, and does not return when loading fails.
-            with chdir(Path.cwd()):
-                instance: Any = _CLASSES[description.fmi, way](
-                    guid=description.guid,
-                    unzipDirectory=str(folder),
-                    modelIdentifier=interface.identifier,
-                    instanceName=name,
-                )
-        except Exception as error:  # FMPy: bare for the loader, AttributeError for a missing function
+            binaries = folder / "binaries" / PLATFORMS[description.fmi]
+            instance: Any = _CLASSES[description.fmi, way](
+                guid=description.guid,
+                unzipDirectory=str(folder),
+                modelIdentifier=interface.identifier,
+                instanceName=name,
+                libraryPath=str(binaries.absolute() / f"{interface.identifier}{fmpy.sharedLibraryExtension}"),
+            )
+        except Exception as error:  # OSError of the loader; of FMPy AttributeError for a missing function, and others
             raise FmuError(
                 f"{description.file}: its binary does not load on this machine: {error}. "
                 f"Export the FMU again for this platform, with all functions of FMI {description.fmi}.0."

@@ -1,18 +1,22 @@
 """A co-simulation FMU follows its closed form, reports failures in a sentence, and leaves no files behind."""
 
+import os
 import pickle
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
+from threading import Event
 from unittest.mock import Mock
 
 import numpy as np
 import pytest
 from faulty_fmu import faulty_fmu
 from tiny_fmu import GUID, repacked, tied, tiny, xml
+from waiting import LONGEST
 
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.fmi import CoSimulation, describe
-from railgrip.fmi.instance import Instance, unpack
+from railgrip.fmi.instance import Instance, _without_solver_lines, unpack
 
 PERIOD = 1e-3
 
@@ -298,6 +302,27 @@ def test_only_solver_lines_of_openmodelica_are_removed_from_an_fmus_output(
     assert ("equidistant" in printed) is (tool == "another tool")
     if tool != "another tool":
         assert printed.split() == ["before", "first", "word", "last", "word", "after"]
+
+
+def test_two_threads_restore_the_standard_output_of_the_process():
+    def instantiate(inside: Event, end: Event) -> None:
+        with _without_solver_lines(Mock(generator="OpenModelica")):
+            inside.set()
+            assert end.wait(LONGEST)
+
+    before = os.fstat(1)
+    events = [(Event(), Event()) for _ in range(2)]
+    with ThreadPoolExecutor(2) as threads:
+        (inside, end), (later, last) = events
+        tasks = [threads.submit(instantiate, inside, end)]
+        assert inside.wait(LONGEST)
+        tasks.append(threads.submit(instantiate, later, last))
+        later.wait(0.2)  # it comes inside in this time, unless it waits
+        end.set()
+        tasks[0].result()
+        last.set()
+        tasks[1].result()
+    assert os.path.samestat(os.fstat(1), before)
 
 
 def test_an_instance_that_cannot_be_created_is_closed(foundry: Path, monkeypatch: pytest.MonkeyPatch):
