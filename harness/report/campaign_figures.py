@@ -50,7 +50,7 @@ def friction_figure(stops: Sequence[Stop]) -> Figure:
             else:
                 panel.plot(time, mu0[:, 0], color=colour, linewidth=1.2, label=name)
         titles = {stop.title for stop in rails.values()}
-        style.dress(panel, y="maximum friction $\\mu_0$", title=", ".join(sorted(titles)))
+        style.dress(panel, y="maximum friction μ₀", title=", ".join(sorted(titles)))
         panel.set_ylim(bottom=0)
         panel.set_xlim(0, None)
         if len(rails) > 1:
@@ -265,7 +265,7 @@ def _cases_figure(frame: Frame, colours: Mapping[str, str]) -> Figure:
     for setting, stops in groups_of(frame, SETTING):
         for row in stops.itertuples():
             name = (row.case if has_one_scenario and row.case else row.label).replace("_", " ")
-            name = f"{name}, $\\mu_0$ {row.friction}" if row.friction else name
+            name = f"{name}, μ₀ {row.friction}" if row.friction else name
             families.setdefault(setting, {}).setdefault(name, []).append(row)
     # No panel is so low that a page would stretch the figure.
     heights = [_HEADING / _LINE + max(len(cases), _FEWEST) for cases in families.values()]

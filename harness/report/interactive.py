@@ -134,14 +134,14 @@ class _Plot:
         for text, handle in zip(legend.get_texts(), legend.legend_handles, strict=True):
             name = text.get_text()
             if name in names:
-                names[name] |= {"legend": key, "showlegend": True}
+                names[name] |= {"name": _plain(text), "legend": key, "showlegend": True}
                 continue
             proxy = {"type": "scatter", "x": [None], "y": [None], "mode": "lines"}
             if isinstance(handle, Line2D):
                 proxy |= _style(handle)
             elif isinstance(handle, Patch):
                 proxy |= {"mode": "markers", "marker": {"symbol": "square", "color": to_hex(handle.get_facecolor())}}
-            self.data.append({**proxy, "name": _plain(name), "legend": key, "showlegend": True})
+            self.data.append({**proxy, "name": _plain(text), "legend": key, "showlegend": True})
 
     def _place(self, legend: Legend) -> Plot:
         """Return position and direction of a legend for plotly.js, whose legends are larger than those of the figure.
@@ -227,10 +227,10 @@ def _index(number: int) -> str:
     return "" if number == 1 else str(number)
 
 
-def _plain(text: str) -> str:
+def _plain(text: Text) -> str:
     # plotly.js interprets some HTML in texts, such as links.
-    safe = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-    return re.sub(r"\$([^$]*)\$", _formula, safe).replace("\n", "<br>")
+    safe = text.get_text().replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace("\n", "<br>")
+    return re.sub(r"\$([^$]*)\$", _formula, safe) if text.get_parse_math() else safe
 
 
 def _formula(match: re.Match[str]) -> str:
@@ -247,7 +247,7 @@ def _formula(match: re.Match[str]) -> str:
 
 def _note(text: Text, place: tuple[float, float]) -> Plot:
     across, along = text.get_horizontalalignment(), text.get_verticalalignment()
-    return {"text": _plain(text.get_text()), "x": place[0], "y": place[1], "xref": "paper", "yref": "paper",
+    return {"text": _plain(text), "x": place[0], "y": place[1], "xref": "paper", "yref": "paper",
             "showarrow": False, "align": across, "xanchor": across, "yanchor": _ANCHORS.get(along, along),
             "font": {"size": 1.2 * float(text.get_fontsize()), "color": to_hex(text.get_color())}}  # fmt: skip
 
@@ -259,14 +259,14 @@ def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
     ticks = axis.get_tick_params(which="major")
     labelled = ticks.get("labelbottom" if letter == "x" else "labelleft", True) or ticks.get("labelright", False)
     labelled = labelled and axis.get_visible()
-    texts = [tick.get_text() for tick in axis.get_ticklabels()]
+    texts = axis.get_ticklabels()
     places = axis.get_majorticklocs()
     plot: Plot = {
         "domain": [max(domain[0], 0.0), min(domain[1], 1.0)],
         "type": "log" if is_log else "linear",
         "range": [float(limit) for limit in (np.log10(limits) if is_log else limits)],
-        "title": {"text": _plain(axis.label.get_text()), "standoff": 6},
-        "showticklabels": bool(labelled and any(texts)),
+        "title": {"text": _plain(axis.label), "standoff": 6},
+        "showticklabels": bool(labelled and any(text.get_text() for text in texts)),
         "showgrid": bool(ticks.get("gridOn", False)),
         "exponentformat": "power",
         **TICKS,

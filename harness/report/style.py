@@ -6,8 +6,11 @@ from typing import Any, cast
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis, Tick
+from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from railgrip.base.files import replacing
 from railgrip.report.palette import BLACK
@@ -23,20 +26,38 @@ def readable(unit: str) -> tuple[float, str]:
     return _READABLE.get(unit, (1.0, unit))
 
 
-def figure(width: float, height: float, margins: Mapping[str, float] | None = None) -> Figure:
+class Drawing(Figure):
+    """A figure whose texts are drawn as they are written: matplotlib takes what is between two dollars for a formula.
+
+    Attributes:
+        has_formulas: Whether they are formulas; for figures without texts of the user.
+    """
+
+    has_formulas = False
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw the figure; powers of ten on logarithmic axes are always formulas."""
+        scales = cast(list[Axis], self.findobj(lambda part: isinstance(part, Axis) and part.get_scale() == "log"))
+        powers = {text for scale in scales for tick in scale.findobj(Tick) for text in tick.findobj(Text)}
+        for text in cast(list[Text], self.findobj(Text)):
+            text.set_parse_math(self.has_formulas or text in powers)
+        super().draw(renderer)
+
+
+def figure(width: float, height: float, margins: Mapping[str, float] | None = None) -> Drawing:
     """Return an empty figure of a size in inches.
 
     Its parts are placed automatically, or within `margins`, shares of the figure as for
     `matplotlib.figure.Figure.subplots_adjust`: the automatic layout of twenty panels takes longer than drawing them.
     """
-    drawing = Figure(figsize=(width, height), layout=None if margins else "constrained")
+    drawing = Drawing(figsize=(width, height), layout=None if margins else "constrained")
     if margins:
         drawing.subplots_adjust(**margins)
     FigureCanvasAgg(drawing)
     return drawing
 
 
-def panels(width: float, height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, Any]:
+def panels(width: float, height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Drawing, Any]:
     """Return a figure of a size in inches and its axes, with the options of `matplotlib.figure.Figure.subplots`."""
     drawing = figure(width, height)
     return drawing, drawing.subplots(rows, columns, **options)

@@ -1,18 +1,23 @@
 """The page of a brake calculation, its PDF, and its values as plain data."""
 
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
-from itertools import accumulate
+from functools import cache
+from itertools import accumulate, chain
 from pathlib import Path
 from typing import Any, cast
+from unicodedata import bidirectional
 
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.lines import Line2D
 
+from railgrip.base.errors import ScenarioError
 from railgrip.base.files import replacing
 from railgrip.report.page import Page
+from railgrip.report.style import Drawing, panels
 from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.calculation import PARKING_ADHESION, PARKING_SLOPE, RANGES, MeanStop, parking
 from railgrip.rolling_stock.check import findings
@@ -23,7 +28,13 @@ from railgrip.rolling_stock.tables import plain_stop
 
 _A4 = (8.27, 11.69)  # in
 _LEFT, _BOTTOM, _LINE = 0.06, 0.05, 0.0125  # shares of the sheet
-_SIZE, _CHARACTERS = 7, 130  # font size, and characters of this size in a line
+_SIZE = 7  # of the font
+_WIDTH = (1 - 2 * _LEFT) * _A4[0] * 72 / _SIZE  # of a line, in sizes of the font
+_GAP = 1.2  # between two columns, likewise
+_ROUNDING = 1e-9  # of a width
+_TITLE = 13  # size of the font of the title
+_BOLD = 1.25  # width of bold letters over that of others, at most
+_TOGETHER = 10  # lines of a row up to which it is on one sheet
 
 
 def calculation_page(
@@ -86,6 +97,7 @@ def calculation_page(
             tables["steps"],
         ],
     )
+    _require_glyphs(page, parts.values())
     return replace(page, files={"calculation.pdf": lambda path: _write_pdf(path, page, parts)})
 
 
@@ -280,12 +292,54 @@ def _scatter(drawn: Sequence[Scatter]) -> ReportTable:
 
 
 def _figure(stop: MeanStop) -> Figure:
-    figure = Figure(figsize=(7, 3), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = panels(7, 3)
     edges = [3.6 * upper for upper, _, _ in stop.steps] + [0.0]
     axes.stairs([each for *_, each in stop.steps][::-1], edges[::-1], baseline=None)
     axes.set(xlabel="speed [km/h]", ylabel="deceleration [m/s²]", ylim=(0, None))
     return figure
+
+
+def _require_glyphs(page: Page, tables: Iterable[ReportTable]) -> None:
+    """Raise an error for texts that the PDF would not show as they are written."""
+    rows = [row.values() for table in tables for row in table.texts]
+    for text in chain([page.title, page.answer, page.provenance["train"]], *rows):
+        # Right-to-left scripts have glyphs, which would be drawn from left to right and unjoined.
+        bad = [c for c in text if not c.isspace() and (_advance(c) is None or bidirectional(c) in ("R", "AL"))]
+        if bad:
+            raise ScenarioError(
+                f"{page.provenance['train']}: calculation.pdf cannot show {bad[0]!r} (U+{ord(bad[0]):04X}) of "
+                f"'{textwrap.shorten(text, 60, placeholder='…')}': its font, DejaVu Sans, is for Latin, Greek, "
+                "Cyrillic, Armenian and Georgian letters; write the text in one of these."
+            )
+
+
+@cache
+def _advance(character: str) -> float | None:
+    """Return the width of a character over the size of the font; None without a glyph."""
+    font = get_font(findfont(FontProperties(family="DejaVu Sans")))
+    font.set_size(_SIZE, 72)
+    has_glyph = ord(character) in font.get_charmap()
+    return font.load_char(ord(character)).linearHoriAdvance / 65536 / _SIZE if has_glyph else None
+
+
+def _width(text: str) -> float:
+    return sum(_advance(c) or 0.0 for c in text)
+
+
+def _wrapped(text: str, width: float) -> list[str]:
+    """Return the lines of a text, at most `width` sizes of the font wide; words that are wider are broken."""
+    lines: list[str] = []
+    for word in text.split():
+        joined = f"{lines[-1]} {word}" if lines else word
+        if _width(joined) <= width + _ROUNDING:
+            lines[-1:] = [joined]
+            continue
+        lines.append("")
+        for character in word:
+            if lines[-1] and _width(lines[-1] + character) > width:
+                lines.append("")
+            lines[-1] += character
+    return lines or [""]
 
 
 def _write_pdf(path: Path, page: Page, parts: Mapping[str, ReportTable]) -> None:
@@ -295,7 +349,7 @@ def _write_pdf(path: Path, page: Page, parts: Mapping[str, ReportTable]) -> None
         for title, table in parts.items():
             sheet.draw(title, table)
             if title == "Stops":
-                sheet.write(textwrap.fill(LAMBDA_NOTE, _CHARACTERS))
+                sheet.write(LAMBDA_NOTE)
         pdf.savefig(sheet.figure)
 
 
@@ -307,18 +361,21 @@ class _Sheet:
         self._begin()
 
     def _begin(self) -> None:
-        self.figure, self._top = Figure(figsize=_A4), 0.96
-        self.figure.text(_LEFT, self._top, self._page.title, fontsize=13, weight="bold", va="top")
-        self._top -= 0.03
-        self.write(textwrap.fill(self._page.answer, _CHARACTERS))
+        self.figure, self._top = Drawing(figsize=_A4), 0.96
+        for line in _wrapped(self._page.title, _WIDTH * _SIZE / _TITLE / _BOLD):
+            self.figure.text(_LEFT, self._top, line, fontsize=_TITLE, weight="bold", va="top")
+            self._top -= 1.6 * _LINE
+        self._top -= _LINE
+        self.write(self._page.answer)
         self.write(f"Train file {self._page.provenance['train']}")
 
     def write(self, text: str) -> None:
-        """Write lines below what is on the sheet."""
-        self._require(2 + text.count("\n"))
+        """Write a text below what is on the sheet."""
+        lines = _wrapped(text, _WIDTH)
+        self._require(1 + len(lines))
         self._top -= 0.5 * _LINE
-        self.figure.text(_LEFT, self._top, text, fontsize=_SIZE, va="top", linespacing=1.2)
-        self._top -= _LINE * (1 + text.count("\n"))
+        self.figure.text(_LEFT, self._top, "\n".join(lines), fontsize=_SIZE, va="top", linespacing=1.2)
+        self._top -= _LINE * len(lines)
 
     def draw(self, title: str, table: ReportTable) -> None:
         """Draw a table below what is on the sheet; a column is as wide as its longest text, as far as there is room.
@@ -326,28 +383,35 @@ class _Sheet:
         A table with an empty column is one to fill in by hand: its columns have the same width.
         """
         rows = [list(row.values()) for row in table.texts]
-        widths = [max(map(len, column)) + 3 for column in zip(table.columns, *rows, strict=True)]
-        for _ in range(sum(widths) - _CHARACTERS):
-            widths[widths.index(max(widths))] -= 1
+        columns = zip(table.columns, *rows, strict=True)
+        widths = [max(_BOLD * _width(name), *map(_width, texts)) + _GAP for name, *texts in columns]
+        while sum(widths) > _WIDTH + _ROUNDING:  # the widest become as wide as the next, or as there is room
+            widest = [i for i, width in enumerate(widths) if width == max(widths)]
+            rest = [width for i, width in enumerate(widths) if i not in widest]
+            room = (_WIDTH - sum(rest)) / len(widest)
+            widths = [max(room, max(rest, default=0.0)) if i in widest else width for i, width in enumerate(widths)]
         if any(not any(column) for column in zip(*rows, strict=True)):  # for handwriting
-            widths = [_CHARACTERS // len(widths)] * len(widths)
-        places = [_LEFT + (1 - 2 * _LEFT) * place / _CHARACTERS for place in accumulate(widths[:-1], initial=0)]
-        wrapped = [[textwrap.fill(text, width - 1) for text, width in zip(row, widths, strict=True)] for row in rows]
+            widths = [_WIDTH / len(widths)] * len(widths)
+        places = [_LEFT + (1 - 2 * _LEFT) * place / _WIDTH for place in accumulate(widths[:-1], initial=0)]
         self._require(5)
         self._top -= _LINE
         self.figure.text(_LEFT, self._top, title, fontsize=_SIZE + 2, weight="bold", va="top")
         self._top -= 2 * _LINE
-        self._row(table.columns, places, weight="bold")
-        for row in wrapped:
-            if self._require(1 + max(text.count("\n") for text in row)):
-                self._row(table.columns, places, weight="bold")
-            self._row(row, places)
+        self._row([[name] for name in table.columns], places, weight="bold")
+        for row in rows:
+            cells = [_wrapped(text, width - _GAP) for text, width in zip(row, widths, strict=True)]
+            while any(cells):
+                if self._require(1 + min(max(map(len, cells)), _TOGETHER)):
+                    self._row([[name] for name in table.columns], places, weight="bold")
+                room = int((self._top - _BOTTOM) / _LINE) - 1
+                self._row([lines[:room] for lines in cells], places)
+                cells = [lines[room:] for lines in cells]
 
-    def _row(self, row: Sequence[str], places: Sequence[float], weight: str = "normal") -> None:
-        for text, place in zip(row, places, strict=True):
-            for number, line in enumerate(text.split("\n")):
+    def _row(self, row: Sequence[Sequence[str]], places: Sequence[float], weight: str = "normal") -> None:
+        for lines, place in zip(row, places, strict=True):
+            for number, line in enumerate(lines):
                 self.figure.text(place, self._top - (0.8 + number) * _LINE, line, fontsize=_SIZE, weight=weight)
-        self._top -= _LINE * (1.3 + max(text.count("\n") for text in row))
+        self._top -= _LINE * (0.3 + max(map(len, row)))
         self.figure.add_artist(Line2D((_LEFT, 1 - _LEFT), [self._top + 0.2 * _LINE] * 2, color="0.8", linewidth=0.5))
 
     def _require(self, lines: int) -> bool:

@@ -3,11 +3,10 @@
 from collections.abc import Iterator
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 
 from railgrip.report.palette import BLACK, BLUE, GREY, ORANGE, SKY, VERMILION
-from railgrip.report.style import figure
+from railgrip.report.style import Drawing, figure
 from railgrip.rolling_stock.schema import Train
 
 _ROW = 110.0  # m, length of train in a row of the figure
@@ -17,7 +16,7 @@ _FLOOR = 1.0
 _BELOW = -3.4
 
 
-def drawing(train: Train) -> Figure:
+def drawing(train: Train) -> Drawing:
     """Return the figure, leading car first, on the left; long trains take several rows."""
     rows = list(_rows(train))
     longest = max(end - start for _, start, end in rows)

@@ -1,6 +1,7 @@
 """Figures have labels and units, contain the data of the results, and form one self-contained page."""
 
 import hashlib
+import html
 import re
 from dataclasses import replace
 
@@ -8,6 +9,7 @@ import numpy as np
 import pandas
 import pytest
 from matplotlib.colors import to_hex
+from matplotlib.text import Text
 from pages import needs_nothing_else, numbers, plots_of
 
 from railgrip.report import palette, style
@@ -42,7 +44,7 @@ def test_friction_has_a_panel_for_each_scenario_from_blue_to_purple(stops):
     panels = friction_figure(selection).axes
     assert len(panels) == 3
     for panel, stop in zip(panels, selection, strict=True):
-        assert "mu_0" in panel.get_ylabel()
+        assert "μ₀" in panel.get_ylabel()
         mu0 = stop.trace["mu0"].values
         # Coupled wheelsets find the same friction: one line for both, labelled with both.
         assert len(panel.lines) == len(np.unique(mu0, axis=1).T) == 4
@@ -152,7 +154,7 @@ def test_each_of_a_few_cases_has_a_line_with_its_friction(folder):
     figure = distance_figure(pandas.concat(cases))
     names = [[text.get_text() for text in panel.get_yticklabels()] for panel in figure.axes[::2]]
     assert [len(lines) for lines in names] == [8, 2]
-    assert names[1][1] == "case 9, $\\mu_0$ 0.09"
+    assert names[1][1] == "case 9, μ₀ 0.09"
     of_first = [line.get_xdata()[0] for line in figure.axes[0].lines]
     assert sorted(of_first) == pytest.approx(sorted(8 * frame["distance"].tolist()))
     assert [line.get_marker() for line in figure.axes[2].lines].count("x") == len(frame)
@@ -211,7 +213,7 @@ def test_a_figure_on_a_page_has_the_data_of_the_figure_in_a_paper(stops):
         assert numbers(trace["y"]) == pytest.approx(line.get_ydata(), rel=1e-6)
         assert trace["line"]["color"] == to_hex(line.get_color())
     assert plot["layout"]["xaxis2"]["matches"] == "x"  # panels zoom together
-    assert plot["layout"]["yaxis"]["title"]["text"] == "maximum friction μ<sub>0</sub>"
+    assert plot["layout"]["yaxis"]["title"]["text"] == "maximum friction μ₀"
     assert [trace["name"] for trace in plot["data"] if trace["showlegend"]] == [
         text.get_text() for text in drawing.axes[0].get_legend().get_texts()
     ]
@@ -241,11 +243,30 @@ def test_texts_and_ticks_of_a_figure_occur_once_on_a_page():
 )
 def test_a_formula_is_written_in_html_on_a_page(formula, shown):
     drawing, axes = style.panels(6, 4)
+    drawing.has_formulas = True
     axes.text(0.5, 0.5, formula)
     assert [note["text"] for note in interactive(drawing)["layout"]["annotations"]] == [shown]
     axes.set_title(r"$\hat\alpha$")
     with pytest.raises(TypeError, match="has no form on a page"):
         interactive(drawing)
+
+
+@pytest.mark.parametrize("name", ["costs $5 and $6", r"share $\frac{1}{$ of all", "a < b & c"])
+def test_a_name_is_drawn_as_it_is_written(name):
+    """On paper and on a page, in titles, labels, legends and at ticks; powers of ten remain formulas."""
+    drawing, axes = style.panels(6, 4)
+    axes.semilogx([1, 1e4], [0, 1], label=name)
+    style.dress(axes, x=name, y=name, title=name)
+    axes.set_yticks([0], [name])
+    style.legend(axes)
+    plot = interactive(drawing)
+    texts = [text for text in drawing.findobj(Text) if text.get_text() == name]
+    assert len(texts) == 6  # two at the tick, one of which is invisible
+    assert not any(text.get_parse_math() for text in texts)
+    assert all(text.get_parse_math() for text in axes.get_xticklabels())
+    shown, layout = html.escape(name), plot["layout"]
+    places = [layout["yaxis"]["title"]["text"], *layout["yaxis"]["ticktext"], plot["data"][0]["name"]]
+    assert {*places, layout["annotations"][0]["text"]} == {shown}
 
 
 def test_a_legend_stays_in_its_panel_on_a_page():

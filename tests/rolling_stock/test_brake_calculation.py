@@ -7,11 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.text import Text
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.brakes import LAWS
 from railgrip.rolling_stock.calculation import BRAKED_WEIGHT, braked_weight_percentage, mean_stop
+from railgrip.rolling_stock.calculation_page import calculation_page
 from railgrip.rolling_stock.check import findings
 from railgrip.rolling_stock.modelica import class_text
 from railgrip.rolling_stock.scatter import scatter
@@ -91,6 +94,47 @@ def test_a_calculation_is_a_page_a_pdf_and_json(railgrip, tmp_path):
     assert (tmp_path / "long/calculation.pdf").read_bytes().count(b"/Type /Page ") == 3
     code, out, _ = railgrip("train", "calculate", str(UNIT), "--json")
     assert [round(3.6 * stop["speed"]) for stop in json.loads(out)["stops"]] == [100, 120, 140, 160]
+
+
+@pytest.mark.parametrize(
+    "description",
+    [
+        "costs $5 and $6 per km",
+        r"share $\frac{1}{$ of all",
+        "",
+        " ".join(f"word{number}" for number in range(4000)),
+        "MW" * 3000,
+        "Тормозной расчёт, Πέδηση, frein, ±½ µ √2",
+    ],
+)
+def test_a_text_is_in_the_pdf_as_it_is_written_over_all_the_sheets_that_it_takes(
+    wagon, tmp_path, monkeypatch, description
+):
+    sheets, write = [], PdfPages.savefig
+    monkeypatch.setattr(PdfPages, "savefig", lambda self, sheet: (sheets.append(sheet), write(self, sheet)))
+    train = train_of(wagon | {"description": description}, tmp_path / "mine.toml")
+    page = calculation_page(train, [mean_stop(train, 100 / 3.6)], origin="mine.toml", digest="")
+    page.files["calculation.pdf"](tmp_path / "calculation.pdf")
+    words = []
+    for sheet in sheets:
+        sheet.draw_without_rendering()
+        texts = [text for text in sheet.findobj(Text) if text.get_text()]
+        assert not any(text.get_parse_math() for text in texts)
+        boxes = [text.get_window_extent() for text in texts]
+        assert all(box.x0 > 0 and box.x1 < sheet.bbox.x1 and box.y0 > 0 and box.y1 < sheet.bbox.y1 for box in boxes)
+        words += [text.get_text() for text in texts]
+    # Heads of sheets and other cells are between its lines.
+    rest = description.replace(" ", "")
+    for word in words:
+        rest = rest.removeprefix(word.replace(" ", ""))
+    assert rest == ""
+
+
+@pytest.mark.parametrize("text", ["制动计算", "חישוב בלימה", "bell \a"])
+def test_a_text_that_the_pdf_cannot_show_is_refused_before_anything_is_written(wagon, tmp_path, text):
+    train = train_of(wagon | {"description": text}, tmp_path / "mine.toml")
+    with pytest.raises(ScenarioError, match=r"mine\.toml: calculation\.pdf cannot show .* \(U\+"):
+        calculation_page(train, [mean_stop(train, 100 / 3.6)], origin="mine.toml", digest="")
 
 
 @pytest.mark.parametrize(

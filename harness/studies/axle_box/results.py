@@ -292,6 +292,7 @@ def structure(network: Network) -> Figure:
     """Return the layers of a network of the paper and what each computes (figure 9)."""
     hidden, inputs = network.hidden_weights.shape
     sheet, axes = style.panels(8.0, 3.2)
+    sheet.has_formulas = True
     columns = (
         (0.0, [f"$|\\ddot x_{{w{i}}}|$" for i in range(1, inputs + 1)], palette.BLUE),
         (2.0, [f"$g_{j}$" for j in range(1, hidden + 1)], palette.ORANGE),

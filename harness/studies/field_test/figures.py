@@ -171,6 +171,7 @@ COLOURS = (palette.BLUE, palette.ORANGE, palette.GREEN, palette.PURPLE)
 def train_figure(train: Train) -> Figure:
     """Return the train, and the forces, torques and speeds of equations (1) and (2) (figure 1)."""
     drawing = train_drawing(train)
+    drawing.has_formulas = True
     drawing.set_size_inches(8.0, 4.2)
     chart = drawing.axes[0]
     chart.set_ylim(-12.5, 5.8)

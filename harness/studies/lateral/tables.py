@@ -382,7 +382,7 @@ def creep_curves(speed: float) -> Figure:
     for condition, colour, line in zip(CONDITIONS, palette.lead_to_trail(len(CONDITIONS)), lines, strict=True):
         panel.plot(100 * creep, adhesion(condition, creep, speed), color=colour, linestyle=line, label=condition.name)
         panel.plot(0.0, condition.mu0, "D", color=palette.BLACK, markersize=5, markerfacecolor="none", clip_on=False,
-                   label="published $u_0$" if condition is CONDITIONS[-1] else None)  # fmt: skip
+                   label="published u₀" if condition is CONDITIONS[-1] else None)  # fmt: skip
     style.dress(panel, x="creep [%]", y="adhesion coefficient", title=f"Fig. 2, at {speed:g} m/s")
     panel.set_xlim(0, 10)
     panel.set_ylim(0, 0.5)

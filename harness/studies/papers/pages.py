@@ -128,8 +128,9 @@ def _difference(row: PaperRow) -> str:
 
 
 def canvas(width: float, height: float) -> tuple[Figure, Axes]:
-    """Return a figure without axes, whose coordinates are inches from the lower left corner."""
+    """Return a figure with formulas and without axes, whose coordinates are inches from the lower left corner."""
     drawing = style.figure(width, height, {"left": 0, "right": 1, "bottom": 0, "top": 1})
+    drawing.has_formulas = True
     axes = drawing.subplots()
     axes.set_xlim(0, width)
     axes.set_ylim(0, height)

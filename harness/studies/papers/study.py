@@ -331,7 +331,7 @@ def rail_figure(stops: Mapping[str, Stop]) -> Figure:
     for panel, name in zip(panels, SCENARIOS, strict=True):
         trace = stops[f"library {name}"].trace
         draw_wheelsets(panel, trace["time"].values, trace["mu0"].values)
-        style.dress(panel, y="maximum friction $\\mu_0$", title=name.replace("_", " "))
+        style.dress(panel, y="maximum friction μ₀", title=name.replace("_", " "))
         panel.set_ylim(bottom=0)
     panels[0].axvline(LAST_RISE, color=palette.BLACK, linestyle="--", linewidth=1)
     panels[0].text(LAST_RISE - 0.15, 0.1, "published:\nlast rise", fontsize=8, ha="right")
