@@ -18,6 +18,7 @@ from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.text import Annotation, Text
+from matplotlib.ticker import LogFormatter, NullFormatter, ScalarFormatter
 from matplotlib.transforms import Bbox
 
 from railgrip.report.signals import TICKS, array
@@ -51,6 +52,8 @@ _SHAPES = {"steps-post": "hv", "steps": "vh", "steps-pre": "vh", "steps-mid": "h
 _MARKERS = {".": "circle", "o": "circle", "x": "x-thin", "|": "line-ns", "_": "line-ew", "s": "square", "D": "diamond",
             "^": "triangle-up", "v": "triangle-down", "+": "cross-thin", "*": "star"}  # fmt: skip
 _SYMBOLS = {r"\mu": "μ", r"\ddot x": "ẍ", r"\tanh": "tanh"}
+_NUMBERS = (ScalarFormatter, LogFormatter, NullFormatter)
+"""Formatters of scales whose ticks plotly.js sets itself; others have names."""
 _ANCHORS = {"center": "middle", "baseline": "bottom", "center_baseline": "middle"}
 
 
@@ -273,7 +276,7 @@ def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
         "zeroline": False,
         "visible": bool(axes.axison),
     }
-    if len(places) == len(texts) and type(axis.get_major_formatter()).__name__ in ("FixedFormatter", "FuncFormatter"):
+    if len(places) == len(texts) and not isinstance(axis.get_major_formatter(), _NUMBERS):
         plot |= {"tickvals": [float(place) for place in places], "ticktext": [_plain(text) for text in texts]}
         plot["tickangle"] = 0  # as in the figure, which has no room for other angles
     if letter == "y" and axes.get_aspect() == 1.0:

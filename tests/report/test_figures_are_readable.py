@@ -1,5 +1,7 @@
 """No figure has texts that overlap or are cut off, or an empty panel; tests/conftest.py checks those that are saved."""
 
+import html
+import re
 from functools import cache
 from itertools import product
 
@@ -7,6 +9,7 @@ import numpy as np
 import pytest
 from legible import LOWEST, WIDTHS, defects_on_screen, drawn, needs_browser
 from legible import defects_of as defects_in
+from matplotlib.text import Text
 from pages import plots_of, replace_plots
 from readable import defects_of
 from sampling import sample
@@ -74,6 +77,36 @@ FIGURES = {
 }
 
 
+def texts_in(plot):
+    """Return all texts of a figure on a page as they are shown."""
+    if isinstance(plot, dict | list):
+        return {text for part in (plot.values() if isinstance(plot, dict) else plot) for text in texts_in(part)}
+    return {html.unescape(plot.replace("<br>", "\n"))} if isinstance(plot, str) else set()
+
+
+def words_of(drawing):
+    """Return what is written in a drawing, without numbers, which plotly.js places itself."""
+    hidden = {
+        text
+        for panel in drawing.axes
+        for axis in (panel.xaxis, panel.yaxis)
+        if not (panel.axison and axis.get_visible())
+        for text in axis.findobj(Text)
+    }
+    texts = [text for text in drawing.findobj(Text) if text.get_visible() and text not in hidden]
+    return {text.get_text() for text in texts if re.search("[a-zA-Z]", text.get_text()) and not text.get_parse_math()}
+
+
+def test_bars_have_their_names_on_a_page():
+    drawing, (upper, lower) = panels(6, 4, 2, 1)
+    upper.barh(["sand", "$5 < 6"], [1.0, 2.0])
+    lower.bar(["new brake"], [1.0])
+    plot = interactive(drawing)
+    assert words_of(drawing) == {"sand", "new brake"}
+    assert {"sand", "$5 < 6", "new brake"} <= texts_in(plot)
+    assert plot["layout"]["yaxis"]["tickvals"] == [0.0, 1.0]
+
+
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_figure_is_readable(name, drawings):
     drawing = drawings(name)
@@ -82,6 +115,7 @@ def test_a_figure_is_readable(name, drawings):
     plot = interactive(drawing)
     axes = {trace["xaxis"] for trace in plot["data"] if "xaxis" in trace}
     assert len(axes) == len(drawing.axes)
+    assert words_of(drawing) <= texts_in(plot)
 
 
 def page_of(figures, folder):
