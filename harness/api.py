@@ -22,6 +22,7 @@ from railgrip.base.errors import (
     ScenarioError,
     SensorsFailed,
 )
+from railgrip.base.files import path_of
 from railgrip.base.units import cut, place, short
 from railgrip.controllers.observation import Observation
 from railgrip.scenario import schema
@@ -110,7 +111,7 @@ class Scenario(schema.Scenario):
             origin = cut(table["name"]) if isinstance(table.get("name"), str) else "the scenario"
             tables = extend_tables(table, Path.cwd(), origin)
         else:
-            tables = read_scenario(_path(source, "scenario"))
+            tables = read_scenario(path_of(source, "scenario"))
         return cls._of(tables.overlay(tables.origin, nest(_changes(changes))))
 
     def changed(self, changes: Mapping[str, Any]) -> Self:
@@ -123,7 +124,7 @@ class Scenario(schema.Scenario):
         Raises:
             ScenarioError: A key is invalid; the message has a sentence for each problem.
         """
-        return self._of(Tables.of(self.tables() | dict(tables), self._directory, self.name))
+        return self._of(Tables.of(self.tables() | _changes(tables), self._directory, self.name))
 
     def with_plant(self, plant: str | Path | Mapping[str, Any]) -> Self:
         """Return the scenario with another plant.
@@ -134,7 +135,7 @@ class Scenario(schema.Scenario):
         Raises:
             ScenarioError: The plant does not exist, or a key is invalid.
         """
-        keys = _plain(plant, "plant") if isinstance(plant, Mapping) else {"plant": str(_path(plant, "plant"))}
+        keys = _plain(plant, "plant") if isinstance(plant, Mapping) else {"plant": str(path_of(plant, "plant"))}
         for key, value in keys.items():
             if isinstance(value, str) and (key == "library" or (key == "plant" and value.endswith(".fmu"))):
                 keys[key] = str(Path.cwd() / value)
@@ -292,7 +293,7 @@ def load(folder: str | Path) -> "Stop | Sweep":
     """
     from railgrip.campaign.sweep import load_results
 
-    return load_results(_path(folder, "folder"))
+    return load_results(path_of(folder, "folder"))
 
 
 def estimate(
@@ -323,8 +324,10 @@ def estimate(
     from railgrip.estimation.sources import recording_of_estimation, recording_of_trace, require_consistent
     from railgrip.estimation.spec import estimate_of, load_specification
 
-    specification = load_specification(_path(model, "model"), _changes(changes))
-    kinds = tuple(filters)
+    specification = load_specification(path_of(model, "model"), _changes(changes))
+    kinds = () if isinstance(filters, str) else tuple(call_user_code(lambda: list(filters), _unreadable("filters")))
+    if isinstance(filters, str) or not all(isinstance(kind, str) for kind in kinds):
+        raise EstimationError(f"filters are {short(filters)}; expected are kinds, as ['fmu', 'unscented']")
     if isinstance(recording, str | Path):
         recording_file = recording_of_estimation(specification, data=Path(recording))
         return _announced(estimate_of(specification, recording_file, kinds))
@@ -361,8 +364,8 @@ def etcs(train: str | Path, national: str | Path | None = None, line: str | Path
     """
     from railgrip.supervision.results import braking_curves
 
-    values = None if national is None else _path(national, "national")
-    return braking_curves(_path(train, "train"), values, None if line is None else _path(line, "line"))
+    values = None if national is None else path_of(national, "national")
+    return braking_curves(path_of(train, "train"), values, None if line is None else path_of(line, "line"))
 
 
 def inspect(
@@ -395,8 +398,8 @@ def inspect(
         raise EstimationError(f"decimal is {short(decimal)}; expected is '.' or ','")
     if order not in (None, "day first", "month first"):
         raise EstimationError(f"order is {short(order)}; expected is 'day first' or 'month first'")
-    train_name = None if train is None else str(_path(train, "train"))
-    return inspect_recording(_path(recording, "recording"), _path(model, "model"), time, decimal, train_name, order)
+    train_name = None if train is None else str(path_of(train, "train"))
+    return inspect_recording(path_of(recording, "recording"), path_of(model, "model"), time, decimal, train_name, order)
 
 
 def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Scenario, dict[str, Any]]:
@@ -443,7 +446,7 @@ def _folders(folders: Any) -> tuple[Path, ...]:
     if not isinstance(several, Iterable):
         raise ScenarioError(f"import_from is {short(folders)}; expected are paths of folders")
     entries = call_user_code(lambda: list(several), _unreadable("import_from"))
-    paths = [Path.cwd() / _path(entry, "import_from") for entry in entries]
+    paths = [Path.cwd() / path_of(entry, "import_from") for entry in entries]
     for path in paths:
         if not is_folder(path):
             raise ScenarioError(f"import_from: there is no folder {place(path)}")
@@ -493,12 +496,6 @@ def _is_over_time(recording: Any) -> bool:
     import xarray
 
     return isinstance(recording, xarray.Dataset) and "time" in recording.indexes
-
-
-def _path(value: Any, name: str) -> Path:
-    if not isinstance(value, str | Path):
-        raise ScenarioError(f"{name} is {short(value)}; expected is a name or a path")
-    return Path(value)
 
 
 def _changes(changes: Any) -> dict[str, Any]:

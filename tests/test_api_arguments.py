@@ -101,6 +101,7 @@ def test_scenarios_of_any_arguments(source, changes):
     refused(lambda: rg.Scenario.load(source))
     refused(lambda: rg.Scenario.load("trapezoid", changes))
     refused(lambda: rg.Scenario.load("trapezoid").with_plant(source))
+    refused(lambda: rg.Scenario.load("trapezoid").replaced(source))
 
 
 @some
@@ -110,6 +111,18 @@ def test_runs_of_any_arguments(scenario, one, name):
     refused(lambda: rg.run(scenario, **{name: one}))
     if name != "controller":
         refused(lambda: rg.open(scenario, **{name: one}).reset())
+
+
+@pytest.mark.parametrize("folder", [3, None, [1], b"x", "a\0b"])
+def test_a_stop_is_written_to_a_path(scenario, folder):
+    with pytest.raises(rg.RailgripError, match=r"directory is|is not a path"):
+        rg.run(scenario).write(folder)
+
+
+@pytest.mark.parametrize("filters", [3, None, "fmu", [1], {"fmu": 1, 2: 3}])
+def test_filters_are_kinds(filters):
+    with pytest.raises(rg.RailgripError, match="filters"):
+        rg.estimate("anything.csv", "wagon", filters=filters)
 
 
 @some

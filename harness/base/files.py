@@ -16,8 +16,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, BinaryIO, Final, Literal
 
-from railgrip.base.errors import InputError, WriteFailed
-from railgrip.base.units import place
+from railgrip.base.errors import InputError, ScenarioError, WriteFailed
+from railgrip.base.units import place, short
 
 PARTIAL = ".*.partial"
 """Pattern of the files that a process leaves when it is killed while writing."""
@@ -117,6 +117,13 @@ def read_bytes(path: Path, largest: int = LARGEST_TEXT) -> bytes:
             return stream.read(largest)
         except OSError as problem:
             raise InputError(f"{place(path)}: cannot be read: {problem.strerror}") from problem
+
+
+def path_of(value: Any, name: str) -> Path:
+    """Return the path that is an argument of this name; raise ScenarioError if it is none."""
+    if not isinstance(value, str | Path):
+        raise ScenarioError(f"{name} is {short(value)}; expected is a name or a path")
+    return Path(value)
 
 
 def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pandas
 
 from railgrip.base.errors import RecordError
+from railgrip.base.files import path_of
 from railgrip.base.names import ElementName
 from railgrip.base.units import cut, short
 from railgrip.report.frame import Frame
@@ -148,8 +149,8 @@ class Comparison:
         Raises:
             RecordError: The folder is that of a stop or campaign.
         """
-        require_no_result(Path(folder))
-        return self.page().write(Path(folder))
+        require_no_result(directory := path_of(folder, "folder"))
+        return self.page().write(directory)
 
 
 Comparable = Stop | str | Path

@@ -16,7 +16,7 @@ import xarray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, create_model
 
 from railgrip.base.errors import RecordError, UnitError, WriteFailed
-from railgrip.base.files import finite, write_json
+from railgrip.base.files import finite, path_of, write_json
 from railgrip.base.records import LARGEST_TRACE, claim, discard, read_bounded, read_json, require_free, words_of
 from railgrip.base.units import to_si
 from railgrip.report.reference import label
@@ -346,8 +346,9 @@ class Stop:
 
     def write(self, directory: Path | str) -> None:
         """Write stop.json and trace.nc into a folder; see `write_stop`."""
-        require_no_campaign(Path(directory))
-        write_stop(self, Path(directory))
+        folder = path_of(directory, "directory")
+        require_no_campaign(folder)
+        write_stop(self, folder)
 
     def plot(self) -> "Figure":
         """Return a figure (matplotlib) with a column for each group: speed, slip, adhesion, friction and pressure."""
