@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from railgrip.cli.app import RUN_FAILED, AsJson, File, ImportFrom, Overrides, With, fail, print_json
+from railgrip.cli.app import AsJson, File, ImportFrom, Overrides, With, fail, print_json
 from railgrip.report.console import progress, remark, say
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 
 if TYPE_CHECKING:
     from railgrip.campaign.run import Runner
+    from railgrip.report.stop import Stop
 
 
 def run(
@@ -65,8 +66,7 @@ def run(
                 "remarks": list(stop.remarks),
             }
         )
-        if stop.outcome is not Outcome.STANDSTILL:
-            raise typer.Exit(RUN_FAILED)
+        _require_standstill(scenario.name, stop)
         return
     # A foreign plant may not output its adhesion, and then has no utilisation.
     share = f", {used}" if (used := metrics.use_of_adhesion()) else ""
@@ -82,8 +82,12 @@ def run(
     for sentence in from_elsewhere([stop]) and by_compiler([stop]):
         say(f"{scenario.name}: {sentence}")
     say(f"{directory}/stop.json")
+    _require_standstill(scenario.name, stop)
+
+
+def _require_standstill(name: str, stop: "Stop") -> None:
     if stop.outcome is not Outcome.STANDSTILL:
-        fail(f"{scenario.name}: no braking distance, the stop ended with {stop.outcome.value}: {stop.reason}")
+        fail(f"{name}: no braking distance, the stop ended with {stop.outcome.value}: {stop.reason}")
 
 
 def runner(import_from: Sequence[Path] = ()) -> "Runner":

@@ -59,6 +59,8 @@ def validate_table(
     except ValidationError as problem:
         lines: dict[str, None] = {}
         for error in problem.errors():
+            if error["type"] == "too_short" and error["input"]:
+                continue  # none of its items is valid, each of which has a sentence
             path, keys = _place(model, table, error["loc"])
             # A missing key may belong to a table that another layer has replaced.
             present = path[:-1] if error["type"] == "missing" else path

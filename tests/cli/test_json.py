@@ -20,6 +20,7 @@ def test_a_run_without_standstill_has_a_result_and_exit_code_3(railgrip):
     assert result["outcome"] == "horizon"
     assert result["braking_distance"] is None
     assert "Still moving" in result["reason"]
+    assert "the stop ended with horizon: Still moving" in ended.err
 
 
 def test_a_consistent_train_prints_stops_and_no_contradiction(railgrip):

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import railgrip.scenario
+from railgrip.api import Scenario
 from railgrip.base.errors import ScenarioError
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
@@ -247,6 +248,19 @@ def test_any_periods_are_possible_with_any_communication_step(step, periods):
     loaded = load(TRAPEZOID, [f"periods.communication={step}", *PERIODS])
     assert {name: loaded.periods.steps_of(name) for name in periods} == periods
     assert loaded.periods.estimator == max(1e-3, loaded.periods.communication)
+
+
+@pytest.mark.parametrize(
+    ("points", "lines"),
+    [([["x", 0.1]], 1), ([["x", 0.1], [1.0, "y"]], 2), ([[0.0, 0.1], ["x", 0.1]], 1), ([], 1)],
+)
+def test_a_list_without_a_valid_item_has_a_sentence_for_each_item(points, lines):
+    """It is not said to be empty, unless it is."""
+    rail = {"kind": "points", "over": "time", "polach": "wet", "points": points}
+    with pytest.raises(ScenarioError) as refusal:
+        Scenario.load("trapezoid").replaced({"adhesion": rail})
+    assert len(str(refusal.value).splitlines()) == lines
+    assert ("at least 1 item" in str(refusal.value)) == (not points)
 
 
 def test_the_sample_times_of_the_valves_are_those_of_the_plant():
