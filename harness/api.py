@@ -326,7 +326,7 @@ def estimate(
 
     specification = load_specification(path_of(model, "model"), _changes(changes))
     kinds = () if isinstance(filters, str) else tuple(call_user_code(lambda: list(filters), _unreadable("filters")))
-    if isinstance(filters, str) or not all(isinstance(kind, str) for kind in kinds):
+    if isinstance(filters, str) or any(type(kind) is not str for kind in kinds):
         raise EstimationError(f"filters are {short(filters)}; expected are kinds, as ['fmu', 'unscented']")
     if isinstance(recording, str | Path):
         recording_file = recording_of_estimation(specification, data=Path(recording))

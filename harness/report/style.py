@@ -39,7 +39,7 @@ class Drawing(Figure):
         """Draw the figure; powers of ten on logarithmic axes are always formulas."""
         scales = cast(list[Axis], self.findobj(lambda part: isinstance(part, Axis) and part.get_scale() == "log"))
         powers = {text for scale in scales for tick in scale.findobj(Tick) for text in tick.findobj(Text)}
-        for text in cast(list[Text], self.findobj(Text)):
+        for text in self.findobj(Text):
             text.set_parse_math(self.has_formulas or text in powers)
         super().draw(renderer)
 
