@@ -28,7 +28,8 @@ settings.register_profile("busy", deadline=None, max_examples=100 if "RAILGRIP_F
 settings.load_profile("busy")
 
 LONGEST = {
-    "test_every_command.py", "test_trains_in_files.py", "test_wheel.py", "test_any_formation.py", "test_modelica_validation.py",
+    "test_every_command.py",
+    "test_trains_in_files.py", "test_wheel.py", "test_any_formation.py", "test_modelica_validation.py",
     "test_ideal_bound.py", "test_curves_along_the_track.py", "test_exported_stops.py", "test_brake_equipment.py",
     "test_own_modelica.py", "test_command_line.py", "test_code_blocks.py", "test_gallery.py", "test_site.py",
     "test_signals.py", "test_process_environment.py", "test_train_fmus.py", "test_any_step.py", "test_brake.py",
