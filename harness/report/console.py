@@ -158,7 +158,7 @@ class Progress:
         self.phase = phase or self.phase
         if amount is not None and math.isfinite(amount):
             self._amount = max(amount, 0.0)
-        if total is not None and 0.0 < total < math.inf:
+        if total is not None and (total >= 1.0 if self._is_count else total > 0.0) and total < math.inf:
             self._total = total
         self._show()
 

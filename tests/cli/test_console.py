@@ -8,7 +8,7 @@ import sys
 import threading
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from waiting import LONGEST
 
@@ -83,6 +83,7 @@ ODD = st.floats() | st.sampled_from([0.0, -0.0, 5e-324, 1e308, -134.0])
 UPDATE = st.fixed_dictionaries({}, optional={"amount": ODD, "total": ODD, "phase": st.sampled_from(["", "drawing"])})
 
 
+@example(total=0.4, is_count=True, updates=["advance"])
 @given(total=st.none() | ODD, is_count=st.booleans(), updates=st.lists(UPDATE | st.just("advance"), max_size=6))
 def test_progress_names_a_phase_and_is_between_nothing_and_all(total, is_count, updates):
     shown = console.Progress("stop", "compiling", total, is_count)
