@@ -277,7 +277,7 @@ def gains_of(work: Work, design: Sequence[AnyCase]) -> ReportTable:
 
 
 @dataclass(frozen=True)
-class Attribution(Study, quick="2 training cases, 1 for the gains", sizes={"cases": 2, "gain_cases": 1}):
+class Attribution(Study, quick="1 training case in place of all", sizes={"cases": 1, "gain_cases": 1}):
     """Give slope seeking and the law of two maxima the truth piece by piece, in training cases."""
 
     cases: Annotated[int, Option(min=1, help="Training cases; the loss is that of those with a bound.")] = 32
