@@ -125,7 +125,7 @@ def test_every_study_has_a_quick_form_that_never_writes_into_the_documentation(n
 @pytest.mark.parametrize(
     ("name", "options", "words"),
     [
-        ("benefit", {"draws": 20, "write": True}, "--write, --draws: "),
+        ("benefit", {"draws": 40, "write": True}, "--write, --draws: "),
         ("type_test", {"count": 24, "case": ["a"]}, "--case, --cases: "),
         ("papers", {"fit": True}, "--fit: "),
     ],
