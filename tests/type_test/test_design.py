@@ -13,8 +13,8 @@ from railgrip.studies.type_test.design import (
     CASES,
     FRICTION,
     MAX_DURATION,
-    QUICK,
     SEED,
+    SMALL,
     SPEED,
     TRAINING_SEED,
     VALIDATION_SEED,
@@ -23,7 +23,7 @@ from railgrip.studies.type_test.design import (
 from railgrip.studies.type_test.entrants import train_of
 
 
-@pytest.mark.parametrize("count", [QUICK, CASES, 12])
+@pytest.mark.parametrize("count", [SMALL, CASES, 12])
 @pytest.mark.parametrize("axis", ["curve", "rail", "load", "radius", "pads", "gradient"])
 def test_every_value_of_an_axis_is_equally_frequent(count, axis):
     counts = Counter(getattr(case, axis) for case in cases(count)).values()
@@ -64,12 +64,12 @@ def test_a_seed_gives_the_same_cases_and_sets_share_none():
 
 def test_the_cases_stay_the_same_from_version_to_version():
     """A leaderboard can only be compared with an older one while the cases are the same."""
-    first = cases(QUICK)[0]
+    first = cases(SMALL)[0]
     assert (first.curve, first.rail, first.friction, first.lot) == ("soap", "even", 0.0317, 354166)
 
 
 def test_a_case_is_found_by_its_name():
-    for case in cases(QUICK)[::7]:
+    for case in cases(SMALL)[::7]:
         assert case_named(case.name) == case
     for wrong in ("1", "25of24-15595", "0of0-1", "x"):
         with pytest.raises(ScenarioError, match="there is no such case; it is named like 01of24-15595"):

@@ -10,7 +10,7 @@ from railgrip.report.limits import limits_of
 from railgrip.simulate.run import run_stop
 from railgrip.studies.type_test import design
 from railgrip.studies.type_test.case_set import case_named
-from railgrip.studies.type_test.design import CASES, QUICK, cases
+from railgrip.studies.type_test.design import CASES, SMALL, cases
 from railgrip.studies.type_test.entrants import LIBRARY, Entrant, campaign_of, entrants, train_of
 from railgrip.studies.type_test.judge import judgements, read_shipped, write_shipped
 from railgrip.studies.type_test.page import page_of
@@ -22,7 +22,7 @@ OWN = "own"
 
 @pytest.fixture(scope="module")
 def stops():
-    return read_shipped(cases(QUICK), TRAIN)[0]
+    return read_shipped(cases(SMALL), TRAIN)[0]
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def page(stops):
 
 def test_each_case_has_a_stop_of_each_controller_in_the_package(stops):
     names = set(zip(stops["case"], stops["controller"], strict=True))
-    assert names == {(case.name, controller) for case in cases(QUICK) for controller in entrants()}
+    assert names == {(case.name, controller) for case in cases(SMALL) for controller in entrants()}
     assert len(names) == len(stops)
 
 
@@ -61,14 +61,14 @@ def test_a_new_run_has_the_distance_in_the_package(stops, controller):
 def test_results_of_other_cases_or_another_train_are_refused(monkeypatch, stops):
     refused = "results_24_15595.csv are not shown: they are of other cases or of another train"
     other = TRAIN | {"periods": {"controller": "10 ms"}}
-    assert read_shipped(cases(QUICK), other)[0].empty
-    assert refused in read_shipped(cases(QUICK), other)[1][0]
+    assert read_shipped(cases(SMALL), other)[0].empty
+    assert refused in read_shipped(cases(SMALL), other)[1][0]
     monkeypatch.setattr(design, "PADS", {**design.PADS, "weak": 0.84})
-    found, (sentence,) = read_shipped(cases(QUICK), TRAIN)
+    found, (sentence,) = read_shipped(cases(SMALL), TRAIN)
     assert found.empty
     assert refused in sentence
     monkeypatch.undo()
-    assert read_shipped(cases(QUICK), TRAIN)[0].equals(stops)
+    assert read_shipped(cases(SMALL), TRAIN)[0].equals(stops)
 
 
 def test_cases_without_a_file_are_reported_in_a_sentence():
@@ -78,8 +78,8 @@ def test_cases_without_a_file_are_reported_in_a_sentence():
 
 
 def test_written_results_read_back(tmp_path, stops):
-    write_shipped(stops, cases(QUICK), TRAIN, tmp_path)
-    read, (sentence,) = read_shipped(cases(QUICK), TRAIN, tmp_path)
+    write_shipped(stops, cases(SMALL), TRAIN, tmp_path)
+    read, (sentence,) = read_shipped(cases(SMALL), TRAIN, tmp_path)
     assert read.equals(stops)
     (file,) = tmp_path.iterdir()
     packaged = (LIBRARY / file.name).read_text(encoding="utf-8").splitlines()
@@ -89,11 +89,11 @@ def test_written_results_read_back(tmp_path, stops):
 
 def test_results_of_a_version_without_the_adhesion_at_the_first_slide_are_read(tmp_path, stops):
     older = stops.assign(adhesion_at_slide=math.nan)
-    (path,) = write_shipped(older, cases(QUICK), TRAIN, tmp_path)
+    (path,) = write_shipped(older, cases(SMALL), TRAIN, tmp_path)
     lines = path.read_text(encoding="utf-8").splitlines()
     assert lines[1].endswith(",adhesion_at_slide")
     path.write_text("\n".join([lines[0], *(line.rpartition(",")[0] for line in lines[1:])]) + "\n", encoding="utf-8")
-    assert read_shipped(cases(QUICK), TRAIN, tmp_path)[0].equals(older)
+    assert read_shipped(cases(SMALL), TRAIN, tmp_path)[0].equals(older)
     judged = judgements(older, entrants(), limits_of())
     assert {verdicts["extension"] for verdicts in judged["verdicts"]} == {None}
 
