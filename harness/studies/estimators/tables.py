@@ -71,10 +71,15 @@ def leaderboard(frame: Frame) -> ReportTable:
                 "step": cases["microseconds"].median(),
             }
         )
-    forms: dict[str, Form] = {**dict.fromkeys(("median RMSE", "from", "to"), "{:.4f}"), "bias": "{:+.4f}"}
+    forms: dict[str, Form] = {**dict.fromkeys(("median RMSE", "from", "to"), _error), "bias": "{:+.4f}"}
     forms |= dict.fromkeys(("delay", "after a step"), "{:.2f} s")
     forms |= dict.fromkeys(("over constant", "over force balance"), "{:.2f}") | {"step": "{:.0f} µs"}
     return ReportTable(rows, forms, title="Adhesion")
+
+
+def _error(value: float) -> str:
+    # The error of an estimator that diverged is infinite, so that it is the last; its cell is empty.
+    return f"{value:.4f}" if math.isfinite(value) else ""
 
 
 def consistency(frame: Frame) -> ReportTable:
