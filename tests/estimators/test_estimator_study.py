@@ -454,7 +454,7 @@ def test_a_search_of_one_estimator_keeps_the_noises_of_all_others(tmp_path, monk
         # Two evaluations: without a change, and with a factor of 3 of all deviations.
         assert {**found["force_balance", sensors], "all": 1.0} == dict.fromkeys(FACTORS, 1.0)
         assert found["force_balance", sensors]["all"] in (1.0, 3.0)
-    assert "force_balance" in (tmp_path / "tuned" / "index.html").read_text(encoding="utf-8")
+    assert "force_<wbr>balance" in (tmp_path / "tuned" / "index.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

@@ -144,7 +144,8 @@ def by_family(frame: Frame, measure: Measure = "rmse") -> ReportTable:
     Cases that an estimator lacks are left out; where one diverged, its error is infinite.
     """
     frame = frame.assign(**{"rmse.adhesion": _endless(frame)})
-    errors = _by_case(frame, f"{measure}.adhesion").dropna(axis="columns", how="all").dropna()
+    errors = _by_case(frame, f"{measure}.adhesion")
+    errors = errors.loc[:, np.isfinite(errors).any()].dropna()
     cases = frame.drop_duplicates("case").set_index("case")
     middle = "median" if measure == "rmse" else "mean"
     rows = [
@@ -152,7 +153,7 @@ def by_family(frame: Frame, measure: Measure = "rmse") -> ReportTable:
         for field in FAMILIES
         for family, inside in errors.groupby(cases[field])
     ]
-    form, title = ("{:.4f}", "Median RMSE") if measure == "rmse" else ("{:.2f}", "Coverage")
+    form, title = (_error, "Median RMSE") if measure == "rmse" else ("{:.2f}", "Coverage")
     return ReportTable(rows, dict.fromkeys(errors, form), ("family",), title=f"{title} by family")
 
 
