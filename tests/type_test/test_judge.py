@@ -144,7 +144,8 @@ def test_the_leaderboard_has_the_quantiles_of_the_ratios():
     assert board["tuned"].worst == 1.0
     assert list(board) == ["ideal_bound", "mine", "tuned", "second", "slip_three_state"]
     assert board["ideal_bound"].median == pytest.approx(270 / 300)  # the possible gain
-    assert own.k_wet_low <= own.k_wet <= own.k_wet_high
+    assert own.k_wet is not None
+    assert own.k_wet_low is own.k_wet_high is None  # too few cases for an interval
 
 
 def test_one_stop_without_end_makes_the_worst_ratio_undefined():
@@ -209,9 +210,9 @@ def test_an_invalid_limit_is_refused(tmp_path):
 
 
 def test_the_interval_of_k_wet_contains_the_quantile_of_equal_cases():
-    own = board_of(pandas.concat(case(str(n), mine=300.0 + n) for n in range(30)))["mine"]
-    values = sorted((250 - 10) / (300 + n - 10) for n in range(30))
-    assert own.k_wet == pytest.approx(values[2])
+    own = board_of(pandas.concat(case(str(n), mine=300.0 + n) for n in range(40)))["mine"]
+    values = sorted((250 - 10) / (300 + n - 10) for n in range(40))
+    assert own.k_wet == pytest.approx(values[3])
     assert own.k_wet_low == pytest.approx(values[0], abs=0.01)
     assert own.k_wet_low < own.k_wet < own.k_wet_high
     assert not math.isnan(np.mean(values))
