@@ -87,7 +87,7 @@ def test_the_files_state_the_fit_and_the_source_of_the_reference(tmp_path):
     assert [(one["sanders"], one["fitted"]) for one in found] == [("one fixed", True), ("none", False)]
     html = page.read_text(encoding="utf-8")
     assert "11.0 g/m" in html
-    assert "&gt; 1200 m" in html
+    assert "&gt; 1200\u00a0m" in html
     assert "280 m/s" in html
 
 
