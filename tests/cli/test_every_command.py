@@ -127,12 +127,12 @@ MAKE = {
     "tune-control OPTIONS='--law slip_three_state --cases 1 --version 2 --budget 5 --workers 1 --out out'":
         "out/slip_three_state.type_test_2.toml",
     f"tune OPTIONS='{SEARCH} --campaign {NEW}/field_test.toml'": "harness/studies/field_test/library/consistent.toml",
-    f"type-test OPTIONS='--version 2 --quick --shipped --against slip_two_state --write {OF_STUDIES} out/type_test'":
+    f"type-test OPTIONS='--version 2 --cases 24 --shipped --against slip_two_state --write {OF_STUDIES} out/type_test'":
         "out/type_test/version_2/index.html",
-    f"trains OPTIONS='--quick {OF_STUDIES} out/trains'": "out/trains/index.html",
-    f"bench OPTIONS='--quick {OF_STUDIES} out/bench'": "out/bench/durations.csv",
-    f"lateral OPTIONS='--quick --prediction equations {OF_STUDIES} out/lateral'": "out/lateral/quick/index.html",
-    f"learn OPTIONS='--quick --inputs lateral {OF_STUDIES} out/axle_box'": "out/axle_box/index.html",
+    f"trains OPTIONS='--quick {OF_STUDIES} out/trains'": "out/trains/quick/index.html",
+    f"bench OPTIONS='--quick {OF_STUDIES} out/bench'": "out/bench/quick/durations.csv",
+    f"lateral OPTIONS='--quick --prediction compiled {OF_STUDIES} out/lateral'": "out/lateral/quick/index.html",
+    f"learn OPTIONS='--quick --inputs lateral {OF_STUDIES} out/axle_box'": "out/axle_box/quick/index.html",
     f"monitor OPTIONS='--seeds 1 --stops 40 --pressure-offset 4000 {OF_STUDIES} out/pads'": "out/pads/index.html",
     "k-factors OPTIONS='--set estimate.samples=20 --set estimate.runs=2 --set loop.samples=2 --set loop.runs=2"
     f" --import-from . --write {OF_STUDIES} out/k_factors'": "out/k_factors/k_factors.json",

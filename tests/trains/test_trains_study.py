@@ -88,7 +88,7 @@ def test_the_files_state_the_fit_and_the_source_of_the_reference(tmp_path):
     html = page.read_text(encoding="utf-8")
     assert "11.0 g/m" in html
     assert "&gt; 1200\u00a0m" in html
-    assert "280 m/s" in html
+    assert "280\u00a0m/s" in html
 
 
 def test_the_stop_with_estimator_and_valves_ends(monkeypatch, tmp_path):
