@@ -178,7 +178,7 @@ WHOLE = {
     "--bench": ("axle_box",),
     "--campaign": ("field_test",),
     "--import-from": ("field_test",),
-    "--quick": ("benefit",),
+    "--quick": ("benefit", "type_test"),
 }  # fmt: skip
 """Options of studies that take minutes in any form, and are not run here: they write the numbers of the whole study."""
 
