@@ -149,6 +149,12 @@ MAKE = {
 }  # fmt: skip
 """Arguments of make → a file that it writes, or a text that it prints; without OpenModelica, so that all can run it."""
 
+MINUTES = {
+    "tune", "type-test", "trains", "bench", "lateral", "learn", "monitor", "k-factors", "estimate", "mutants", "test",
+    "portable",
+}  # fmt: skip
+"""Targets that take a minute or more in their smallest form, which `make fuzz` runs."""
+
 ELSEWHERE = {
     "docs": "docs/test_site.py",
     "--show-completion": "cli/test_commands.py",
@@ -349,9 +355,7 @@ def processor_time() -> float:
 def test_a_command_runs_to_its_end(
     row: str, project: Path, spent: dict[str, float], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    path, options = words_of(row)
-    if "--quick" in options and "--quick" not in {name for names in options_of(path) for name in names}:
-        pytest.skip(f"railgrip {' '.join(path)} has no small form yet")
+    path, _ = words_of(row)
     words, folder = shlex.split(row), project
     if path[:1] == ("study",) and len(path) == 2:
         folder = project / "out" / path[1]
@@ -369,8 +373,8 @@ def test_a_command_runs_to_its_end(
 
 @pytest.mark.parametrize("row", MAKE, ids=lambda row: row.split()[0])
 def test_a_target_runs_to_its_end(row: str, project: Path, spent: dict[str, float]) -> None:
-    if row.startswith("estimate") and ["--quick"] not in options_of(("study", "field_test")):
-        pytest.skip("railgrip study field_test has no small form yet")
+    if row.split()[0] in MINUTES and "RAILGRIP_FUZZ" not in os.environ:
+        pytest.skip("takes a minute or more; `make fuzz` runs it")
     before = processor_time()
     ended = subprocess.run(
         ["make", *shlex.split(row), "VENV=venv"], cwd=project, env=ENVIRONMENT | {"OPTIONS": "--wrong"},
