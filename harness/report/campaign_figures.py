@@ -568,18 +568,30 @@ _MAX_STOPS = 40
 """Maximum number of stops of two campaigns that are compared in a figure."""
 
 
-def stops_figure(differences: Mapping[str, float]) -> Figure:
-    """Return a figure of the differences of the stops of two campaigns [m]; only the largest if there are many."""
-    largest = sorted(differences, key=lambda name: -abs(differences[name]))[:_MAX_STOPS]
-    names = [name for name in differences if name in set(largest)]
-    values = np.array([differences[name] for name in names])
-    drawing, panel = style.panels(10, 1.2 + 0.24 * len(names))
-    places = np.arange(len(names))
-    panel.barh(places, values, color=np.where(values > 0, palette.VERMILION, palette.BLUE).tolist(), height=0.7)
-    panel.set_yticks(places, names, fontsize=8)
-    panel.invert_yaxis()
-    panel.axvline(0.0, color=palette.BLACK, linewidth=0.8)
-    few = f" (the {len(names)} largest of {len(differences)})" if len(names) < len(differences) else ""
-    style.dress(panel, x="braking distance of B less that of A [m]", title=f"Difference of each stop{few}")
-    panel.grid(visible=False, axis="y")
+def stops_figure(distances: Frame) -> Figure:
+    """Return a figure of the stops of campaigns: distances, and the paired differences from those of the first.
+
+    Args:
+        distances: Distances [m] with a column for each campaign and a row for each stop; NaN without standstill. Only
+            the stops with the largest differences are drawn if there are many.
+    """
+    first, *others = distances.columns
+    differences = distances[others].sub(distances[first], axis=0).dropna(how="all")
+    largest = differences.abs().max(axis=1).sort_values(ascending=False, kind="stable").index[:_MAX_STOPS]
+    drawn = differences[differences.index.isin(largest)]
+    drawing, (metres, changes) = style.panels(10, 1.4 + 0.24 * len(drawn), columns=2, sharey=True)
+    places = np.arange(len(drawn))
+    for number, letter in enumerate(distances):
+        look = {"color": palette.LINES[number % len(palette.LINES)], "linestyle": "", "markersize": 5}
+        marker = "o" if letter == first else "D"
+        metres.plot(distances.loc[drawn.index, letter], places, marker=marker, label=letter, **look)
+        if letter != first:
+            changes.plot(drawn[letter], places, marker=marker, label=f"{letter} − {first}", **look)
+    metres.set_yticks(places, drawn.index, fontsize=8)
+    metres.invert_yaxis()
+    changes.axvline(0.0, color=palette.BLACK, linewidth=0.8)
+    few = f" (the {len(drawn)} largest of {len(differences)})" if len(drawn) < len(differences) else ""
+    style.dress(metres, x="braking distance [m]", title="Each stop")
+    style.dress(changes, x=f"longer than {first} [m]", title=f"Difference of each stop{few}")
+    drawing.legend(*metres.get_legend_handles_labels(), loc="outside upper right", ncols=9, fontsize=8, frameon=False)
     return drawing

@@ -59,7 +59,8 @@ class Comparison:
         overview: As `answer`, with the mean over all groups, wheelsets or classes of a figure in one row.
         along: Letter → distance that this stop loses against A along the track.
         sentences: Summary.
-        differences: Name of a stop of campaigns → difference of its distances [m].
+        distances: Distances [m] of the stops of campaigns that can be compared, which are its rows, with a column for
+            each letter.
         provenance: Seeds, digests and versions of each letter.
     """
 
@@ -70,7 +71,7 @@ class Comparison:
     overview: ReportTable
     along: Mapping[str, Loss] = field(default_factory=dict[str, Loss])
     sentences: Sequence[str] = ()
-    differences: Mapping[str, float] = field(default_factory=dict[str, float])
+    distances: Frame = field(default_factory=pandas.DataFrame)
     provenance: Mapping[str, str] = field(default_factory=dict[str, str])
 
     @property
@@ -110,13 +111,13 @@ class Comparison:
     def plot(self) -> "Figure":
         """Return a figure of speeds and of the distance lost along the track.
 
-        For campaigns the figure has the differences of the stops.
+        For campaigns the figure has the distances of the stops, and their differences.
         """
         # matplotlib takes half a second to load.
         from railgrip.report.campaign_figures import stops_figure
         from railgrip.report.figures import track_figure
 
-        return track_figure(self.along) if self.along else stops_figure(self.differences)
+        return track_figure(self.along) if self.along else stops_figure(self.distances)
 
     def page(self) -> Page:
         """Return the page of the comparison."""
@@ -138,7 +139,7 @@ class Comparison:
                 "answer": None if self.answer is self.overview else self.answer,
                 "sections": self.sections,
             },
-            figures={_FIGURE: self.plot()} if self.along or self.differences else {},
+            figures={_FIGURE: self.plot()} if self.along or len(self.distances) else {},
             data={"comparison.json": self.to_plain()},
             screen=[results, self.question, self.overview, *self.sections.values(), *self.sentences],
         )
@@ -423,7 +424,7 @@ def _compare_campaigns(names: Sequence[str]) -> Comparison:
         answer=table,
         overview=table,
         sentences=[*_change_sentences(distances, pairs), *only],
-        differences=(distances["B"] - distances["A"]).dropna().to_dict(),
+        distances=distances[distances["A"].notna() & (distances.count(axis=1) > 1)],
         provenance={
             f"{letter}, result of {name}": of[name].digest
             for letter, of in stops.items()

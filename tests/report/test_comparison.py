@@ -16,6 +16,7 @@ import railgrip as rg
 from railgrip.base.errors import RecordError
 from railgrip.report.comparison import _change_sentences, compare, flat
 from railgrip.report.index import scenario_table
+from railgrip.report.results import read_results
 from railgrip.report.stop import write_stop
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.load import load
@@ -152,6 +153,10 @@ def test_campaigns_are_compared_stop_by_stop(write_campaign, tmp_path, slip):
     question = rows(comparison.question, "key")
     assert question["start.speed"]["stops"] == len(distances)
     assert not any(key.startswith("controller") for key in question)
+    before, after = ([one.braking_distance for one in read_results(tmp_path / name).stops] for name in "ab")
+    metres, changes = comparison.plot().axes
+    assert [list(line.get_xdata()) for line in metres.lines] == [before, after]
+    assert list(changes.lines[0].get_xdata()) == [b - a for a, b in zip(before, after, strict=True)]
     with pytest.raises(RecordError, match="holds a campaign and another is a stop; name a stop of the campaign"):
         compare(tmp_path / "a", slip)
 
