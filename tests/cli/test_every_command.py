@@ -86,6 +86,7 @@ COMMANDS = {
     "maintain accept --reason R --baselines small --out out/regress": "nothing changed",
     "study": "roller_rig",
     "study attribution --quick": "attribution.csv",
+    "study benefit vt642 --quick": "gains.csv",
     "study benefit emu387 --measures sand --line leaves --controller slip_two_state --draws 2 --write": "gains.csv",
     "study brake_pipe --quick": "index.html",
     "study certificate --cases 1 --write": "certificate.csv",
@@ -106,6 +107,7 @@ COMMANDS = {
     "study lateral --stiffness --quick": "index.html",
     "study type_test --validation --cases 1 --controller full_brake --limits harness/report/library/limits.toml"
     " --import-from .": "index.html",
+    "study type_test --quick --controller slip_two_state": "index.html",
     "study type_test --sealed --version 2 --cases 1 --controller full_brake": "index.html",
 }  # fmt: skip
 """Command → a file that it writes, for a study in its folder, or a text that it prints."""
@@ -150,10 +152,11 @@ MAKE = {
 """Arguments of make → a file that it writes, or a text that it prints; without OpenModelica, so that all can run it."""
 
 MINUTES = {
+    "study benefit vt642 --quick", "study type_test --quick --controller slip_two_state",
     "tune", "type-test", "trains", "bench", "lateral", "learn", "monitor", "k-factors", "estimate", "mutants", "test",
     "portable",
 }  # fmt: skip
-"""Targets that take a minute or more in their smallest form, which `make fuzz` runs."""
+"""Rows and targets that take half a minute or more in their smallest form, which `make fuzz` runs."""
 
 ELSEWHERE = {
     "docs": "docs/test_site.py",
@@ -184,7 +187,6 @@ WHOLE = {
     "--bench": ("axle_box",),
     "--campaign": ("field_test",),
     "--import-from": ("field_test",),
-    "--quick": ("benefit", "type_test"),
 }  # fmt: skip
 """Options of studies that take minutes in any form, and are not run here: they write the numbers of the whole study."""
 
@@ -351,10 +353,16 @@ def processor_time() -> float:
     return sum(os.times()[:4])
 
 
+def skip_minutes(what: str) -> None:
+    if what in MINUTES and "RAILGRIP_FUZZ" not in os.environ:
+        pytest.skip("takes half a minute or more; `make fuzz` runs it")
+
+
 @pytest.mark.parametrize("row", COMMANDS, ids=lambda row: " ".join(words_of(row)[0]) or row)
 def test_a_command_runs_to_its_end(
     row: str, project: Path, spent: dict[str, float], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
+    skip_minutes(row)
     path, _ = words_of(row)
     words, folder = shlex.split(row), project
     if path[:1] == ("study",) and len(path) == 2:
@@ -373,8 +381,7 @@ def test_a_command_runs_to_its_end(
 
 @pytest.mark.parametrize("row", MAKE, ids=lambda row: row.split()[0])
 def test_a_target_runs_to_its_end(row: str, project: Path, spent: dict[str, float]) -> None:
-    if row.split()[0] in MINUTES and "RAILGRIP_FUZZ" not in os.environ:
-        pytest.skip("takes a minute or more; `make fuzz` runs it")
+    skip_minutes(row.split()[0])
     before = processor_time()
     ended = subprocess.run(
         ["make", *shlex.split(row), "VENV=venv"], cwd=project, env=ENVIRONMENT | {"OPTIONS": "--wrong"},
