@@ -136,10 +136,10 @@ MAKE = {
     f"lateral OPTIONS='--quick --prediction compiled {OF_STUDIES} out/lateral'": "out/lateral/quick/index.html",
     f"learn OPTIONS='--quick --inputs lateral {OF_STUDIES} out/axle_box'": "out/axle_box/quick/index.html",
     f"monitor OPTIONS='--seeds 1 --stops 40 --pressure-offset 4000 {OF_STUDIES} out/pads'": "out/pads/index.html",
-    "k-factors OPTIONS='--set estimate.samples=20 --set estimate.runs=2 --set loop.samples=2 --set loop.runs=2"
+    "k-factors OPTIONS='--set estimate.samples=20 --set estimate.runs=2 --set loop.samples=20 --set loop.runs=2"
     f" --import-from . --write {OF_STUDIES} out/k_factors'": "out/k_factors/k_factors.json",
     f"estimate OPTIONS='--quick {OF_STUDIES} out/estimate_studies'": "build/estimate/wagon-relaxing/index.html",
-    "mutants OPTIONS='--stops trapezoid-ideal-slip_two_state --only k_A --workers 1'": "1 of 1 mutants were noticed",
+    "mutants OPTIONS='--stops trapezoid-ideal-slip_two_state --only A_piston --workers 1'": "1 of 1 mutants were noticed",
     "test TESTS=tests/test_units.py TYPES=harness/base/units.py BASELINES=small": "processor time: ",
     "portable TESTS=tests/test_units.py": "build/portable/stop.json",
     "fuzz TESTS=tests/test_units.py": " passed",
