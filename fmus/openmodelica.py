@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
+from railgrip.base.cache import private_folder
 from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.base.files import scratch, write_bytes
 from railgrip.base.programs import environment_of_programs, find_program
@@ -30,15 +31,32 @@ _LAUNCHER = """\
 for argument; do
   shift
   case $argument in
-    *.c) test "$(wc -c < "$argument")" -lt 1000000 || size=large ;;
+    *.c) unit=$argument ;;
+    -[Ofm]*) options="$options $argument" ;;
   esac
+  test "$previous" != -o || object=$argument
+  previous=$argument
   set -- "$@" "$argument"
 done
-test -z "$size" || set -- "$@" -O1
+case $unit in
+  */sources/*/*.c)
+    if command -v sha256sum > /dev/null && "$@" -E -P; then
+      key=$({ echo "$options"; "$1" --version; sed "s|${unit%/sources/*}||g" "$object"; } | sha256sum)
+      kept=$RAILGRIP_OBJECTS/${key%% *}
+      cp "$kept/unit.o" "$object" 2> /dev/null && exec touch "$kept/unit.o"
+      "$@" || exit
+      mkdir -p "$kept" && cp "$object" "$kept/$$.o" && mv "$kept/$$.o" "$kept/unit.o"
+      exit 0
+    fi ;;
+  *.c) test "$(wc -c < "$unit")" -lt 1000000 || set -- "$@" -O1 ;;
+esac
 exec "$@"
 """
-"""Compiles units of a megabyte and more, which only set start values and parameters, with -O1: GCC takes minutes for
-them with -O3. Of several such options GCC and Clang use the last."""
+"""Keeps the objects of omc's runtime, hundred files that are compiled into each FMU and are the same in nearly all,
+under the digest of options, compiler and preprocessed text, without the name of the temporary folder.
+
+Units of the model itself that have a megabyte and more, which only set start values and parameters, are compiled with
+-O1: GCC takes minutes for them with -O3. Of several such options GCC and Clang use the last."""
 
 _LINES = 12
 """Maximum number of lines of a build log in a message."""
@@ -233,6 +251,7 @@ def _call(*arguments: str, folder: Path | None = None) -> subprocess.CompletedPr
     if folder is not None and (shell := shutil.which("sh", path=environment["PATH"])):
         (folder / "launcher.sh").write_text(_LAUNCHER, encoding="utf-8")
         environment.setdefault("CMAKE_C_COMPILER_LAUNCHER", f"{shell};{folder / 'launcher.sh'}")
+        environment["RAILGRIP_OBJECTS"] = str(private_folder("objects", "openmodelica"))
     return subprocess.run(
         [path, *arguments], cwd=folder, capture_output=True, encoding="utf-8", errors="replace", check=False,
         env=environment,

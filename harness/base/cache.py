@@ -110,6 +110,16 @@ def one_maker(kind: str, key: str, what: str) -> Generator[None]:
     Raises:
         InputError: The cache cannot be written, or other users can write to it.
     """
+    with activity(f"compiling {what}"), lock_folder(private_folder(kind, key), wait=True):
+        yield
+
+
+def private_folder(kind: str, key: str) -> Path:
+    """Return the folder of a key, which exists and in which only this user can write.
+
+    Raises:
+        InputError: The cache cannot be written, or other users can write to it.
+    """
     place = folder() / kind / key
     try:
         folder().parent.mkdir(parents=True, exist_ok=True)
@@ -118,8 +128,7 @@ def one_maker(kind: str, key: str, what: str) -> Generator[None]:
             _require_private(above)
     except OSError as error:
         raise _cannot_write(place, error) from error
-    with activity(f"compiling {what}"), lock_folder(place, wait=True):
-        yield
+    return place
 
 
 def prune(root: Path) -> None:

@@ -1,6 +1,7 @@
 """The OpenModelica side: script and answers, with a substitute for omc; test_both_compilers.py needs the real one."""
 
 import stat
+import subprocess
 import warnings
 from pathlib import Path
 
@@ -263,6 +264,30 @@ def test_the_number_of_c_compilers_is_bounded_and_large_units_are_compiled_quick
     )
     openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
     assert (tmp_path / "log").read_text().splitlines() == ["cc -O3 -c large.c -O1", "cc -O3 -c small.c"]
+
+
+@pytest.mark.parametrize(
+    ("options", "text", "compilations"),
+    [("", "", 1), ("-DN=3", "", 1), ("-O2", "", 2), ("-DM=3", "", 2), ("", "int b;", 2)],
+)
+def test_a_unit_of_the_runtime_is_compiled_once(omc, own_cache, tmp_path, options, text, compilations):
+    """In another folder, whatever its name, unless options, macros that it uses or its text are others."""
+    compiler = tmp_path / "cc"
+    compiler.write_text(f'#!/bin/sh\ncase "$*" in *-E*) ;; *-c*) echo >> {tmp_path / "log"} ;; esac\nexec cc "$@"\n')
+    compiler.chmod(0o755)
+    for build, (further, more) in enumerate([("", ""), (options, text)]):
+        unit = tmp_path / f"{build}.fmutmp" / "sources" / "util" / "unit.c"
+        unit.parent.mkdir(parents=True)
+        unit.write_text(f"#ifdef M\nint m = M;\n#endif\nconst char *a(void) {{ return __FILE__; }}\n{more}\n")
+        omc(
+            'launcher=$(echo "$CMAKE_C_COMPILER_LAUNCHER" | tr ";" " ")',
+            f"$launcher {compiler} {further} -MD -MF unit.d -o unit.o -c {unit} && cp unit.o Lib_FMUs_Plant.fmu",
+        )
+        fmu = openmodelica.export(RECIPE, tmp_path, tmp_path / f"{build}.fmu")
+        alone = tmp_path / "alone.o"
+        subprocess.run(["cc", *further.split(), "-o", str(alone), "-c", str(unit)], check=True)
+        assert len(fmu.read_bytes()) == len(alone.read_bytes())
+    assert len((tmp_path / "log").read_text().splitlines()) == compilations
 
 
 def test_a_plant_for_one_or_both_interfaces_is_the_same_fmu_of_omc():
