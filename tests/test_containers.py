@@ -2,6 +2,9 @@
 
 import json
 import re
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -65,3 +68,60 @@ def test_ci_covers_each_python_on_each_system(system):
     matrix = jobs["platforms"]["strategy"]["matrix"]
     assert system in matrix["os"]
     assert matrix["python"] == ["3.11", "3.12", "3.13", "3.14"]
+
+
+def test_ci_compares_with_openmodelica_as_before_every_landing():
+    """The job on a public runner makes the targets of .ci/run, and installs all programs that omc starts."""
+    jobs = yaml.safe_load((ROOT / ".github/workflows/ci.yml").read_text(encoding="utf-8"))["jobs"]
+    job = "\n".join(step["run"] for step in jobs["openmodelica"]["steps"] if "run" in step)
+    script = (ROOT / ".ci/run").read_text(encoding="utf-8")
+    made, made_by_script = (re.findall(r"^make ([a-z-]+)$", text, re.MULTILINE) for text in (job, script))
+    assert ["test", *made] == made_by_script
+    for text in (job, script, " ".join(word for words in instructions() for word in words)):
+        joined = text.replace("\\\n", " ")
+        assert all(re.search(rf"install .*\b{program}\b", joined) for program in ("cmake", "make", "zip", "gcc|clang"))
+
+
+PROGRAMS = {"omc", "gcc", "cmake", "zip"}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a script of bash")
+@pytest.mark.parametrize(
+    ("place", "missing", "installs", "calls"),
+    [
+        (None, {"omc"}, True, ["make test"]),
+        ("bin", set(), True, ["make test", "make regress-omc", "make test-omc"]),
+        ("shared/omc/bin", set(), True, ["make test", "make regress-omc", "make test-omc"]),
+        ("bin", {"zip", "cmake"}, True, ["make test", "apt-get", "make regress-omc", "make test-omc"]),
+        ("bin", {"zip"}, False, ["make test", "apt-get"]),
+    ],
+    ids=["no omc", "on the path", "next to the clone", "packages are missing", "packages cannot be installed"],
+)
+def test_ci_runs_openmodelica_where_it_is(tmp_path, place, missing, installs, calls):
+    """Its programs are installed if they are missing; without omc, a line says what was left out."""
+    for folder in ("bin", "clone/.ci", "shared/omc/bin"):
+        (tmp_path / folder).mkdir(parents=True)
+    log = tmp_path / "log"
+
+    def program(name: str, *lines: str) -> None:
+        file = tmp_path / (place if name == "omc" and place else "bin") / name
+        file.write_text("\n".join(["#!/bin/sh", *lines, ""]))
+        file.chmod(0o755)
+
+    for name in PROGRAMS - missing:
+        program(name)
+    program("make", f'echo "make $1" >> {log}')
+    program("id", "echo 0")
+    install = [f"cp {tmp_path}/bin/gcc {tmp_path}/bin/{name}" for name in sorted(missing)]
+    program(
+        "apt-get", 'test "$1" = install || exit 0', f"echo apt-get >> {log}", *(install if installs else ["exit 100"])
+    )
+    for name in ("dirname", "cp", "sh"):
+        (tmp_path / "bin" / name).symlink_to(str(shutil.which(name)))
+    script = shutil.copy(ROOT / ".ci/run", tmp_path / "clone/.ci/run")
+    ran = subprocess.run(
+        [str(shutil.which("bash")), script], env={"PATH": str(tmp_path / "bin")}, capture_output=True, text=True
+    )
+    assert (ran.returncode, log.read_text().splitlines()) == (0, calls), ran.stderr
+    assert ("were left out" in ran.stdout) == ("make test-omc" not in calls)
+    assert all(name in ran.stderr for name in missing - {"omc"} if not installs)
