@@ -58,10 +58,14 @@ def _karwatzki(factor: float, k2: float, k3: float, k4: float, k5: float, source
 
 _WENDE = "Karwatzki, in Wende, Fahrdynamik des Schienenverkehrs (2003), as used by Open Rails (TrainCar.cs)"
 
+_RULES = "Rules for traction calculations (Moscow, 1985), phosphorous cast iron, as used by maisvendoo/RRS"
+
 LAWS: Final[Mapping[str, BlockLaw]] = MappingProxyType(
     {
         "cast_iron_p6": _karwatzki(0.024, 62.5, 12.5, 100, 20, _WENDE),
-        "cast_iron_p10": _karwatzki(0.05, 62.5, 31.25, 100, 20, _WENDE),
+        # 0.5 (16 K + 100)/(52 K + 100), K in tf. Open Rails has 0.05 and 31.25 kN, as if 52 were 32: 31 % more friction
+        # at 30 kN, and braked weights 42 % above the k-curve of UIC 544-1.
+        "cast_iron_p10": _karwatzki(0.5 * 16 / 52 / 5, 62.5, 100 / 5.2, 100, 20, _RULES),
         "composite_k": _karwatzki(0.055, 200, 50, 150, 75, f"{_WENDE}, and RailProfAC/ShuntingBrakingCurves"),
     }
 )

@@ -151,20 +151,35 @@ def test_a_speed_that_is_none_is_refused_in_a_sentence(railgrip, arguments, sent
     assert sentence in err
 
 
-def test_laws_of_blocks_have_their_published_values():
-    """0.6 (16 K + 100)/(80 K + 100) (v + 100)/(5 v + 100), K in tf, is the law of the Russian rules for P6.
-
-    Karwatzki's numbers are rounded from it: 61.3 kN to 62.5 kN, and 12.3 kN to 12.5 kN.
-    """
-    law = LAWS["cast_iron_p6"]
+@pytest.mark.parametrize(
+    ("law", "rules"),
+    [
+        ("cast_iron_p6", lambda k, v: 0.6 * (16 * k + 100) / (80 * k + 100) * (v + 100) / (5 * v + 100)),
+        ("cast_iron_p10", lambda k, v: 0.5 * (16 * k + 100) / (52 * k + 100) * (v + 100) / (5 * v + 100)),
+        ("composite_k", lambda k, v: 0.44 * (k + 20) / (4 * k + 20) * (v + 150) / (2 * v + 150)),
+    ],
+)
+def test_laws_of_blocks_are_those_of_the_russian_rules(law, rules):
+    """K is in tf there. Karwatzki's numbers are rounded from them: 61.3 kN to 62.5 kN, and 12.3 kN to 12.5 kN."""
     for kn, v in ((10.0, 100.0), (20.0, 60.0), (30.0, 20.0)):
-        k = kn / 9.80665
-        rules = 0.6 * (16 * k + 100) / (80 * k + 100) * (v + 100) / (5 * v + 100)
-        assert law.factor * law.shape(v / 3.6, 1e3 * kn) == pytest.approx(rules, rel=0.01)
-    composite = LAWS["composite_k"]
-    k = 20 / 9.80665
-    rules = 0.44 * (k + 20) / (4 * k + 20) * (60 + 150) / (2 * 60 + 150)
-    assert composite.factor * composite.shape(60 / 3.6, 20e3) == pytest.approx(rules, rel=0.01)
+        friction = LAWS[law].factor * LAWS[law].shape(v / 3.6, 1e3 * kn)
+        assert friction == pytest.approx(rules(kn / 9.80665, v), rel=0.01)
+
+
+@pytest.mark.parametrize(("law", "distance", "above"), [("cast_iron_p6", 716, 0.0), ("cast_iron_p10", 657, 0.1)])
+def test_a_wagon_with_cast_iron_blocks_has_its_published_stop_and_braked_weight(wagon, law, distance, above):
+    """90 t on 16 holders with 478 kN, by RailProfAC/RailwayBrakeCalculation with a mean friction of 0.12: 672.5 m.
+
+    The k-curve is that of UIC 544-1 for P10 in two-part blocks, k = 2.137 - 0.0514 F + ..., F in kN.
+    """
+    wagon["blocks"]["composite"]["law"] = law
+    wagon["brakes"]["block"]["rigging"] *= 478 / (4 * load_train(WAGON).bogies_in_train[0].brake.full_force / 1e3)
+    stop = mean_stop(train_of(wagon, "wagon.toml"), 100 / 3.6)
+    assert stop.distance == pytest.approx(distance, abs=0.5)
+    assert stop.distance == pytest.approx(672.5, rel=0.07)
+    holder = 478 / 16
+    k = 2.137 - 0.0514 * holder + 8.32e-4 * holder**2 - 6.04e-6 * holder**3
+    assert stop.percentages[1] == pytest.approx((1 + above) * k * 478 / GRAVITY / 90 * 100, rel=0.02)
 
 
 def test_a_wagon_with_blocks_stops_as_by_independent_integration(wagon):

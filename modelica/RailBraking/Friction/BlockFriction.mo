@@ -30,7 +30,7 @@ force.
 <tr><th>blocks</th><th>k1</th><th>k2</th><th>k3</th><th>k4</th><th>k5</th></tr>
 <tr><td>cast iron P6</td><td>0.024</td><td>62.5 kN</td><td>12.5 kN</td><td>100 km/h</td>
 <td>20 km/h</td></tr>
-<tr><td>cast iron P10</td><td>0.05</td><td>62.5 kN</td><td>31.25 kN</td><td>100 km/h</td>
+<tr><td>cast iron P10</td><td>0.0308</td><td>62.5 kN</td><td>19.23 kN</td><td>100 km/h</td>
 <td>20 km/h</td></tr>
 <tr><td>composite K</td><td>0.055</td><td>200 kN</td><td>50 kN</td><td>150 km/h</td>
 <td>75 km/h</td></tr>
