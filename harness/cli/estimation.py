@@ -230,7 +230,7 @@ def inspect(
     forms |= dict.fromkeys(("from [s]", "to [s]"), "{:.3f}")
     show_table(ReportTable(rows, forms, left=("column", "signal", "unit"), title=run.name))
     if inspection.texts:
-        say(f"Not numbers: {', '.join(inspection.texts)}.")
+        say(f"Columns without two numbers: {', '.join(inspection.texts)}.")
     for sentence in inspection.notices:
         complain(sentence)
     if out is None:

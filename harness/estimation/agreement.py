@@ -1,8 +1,9 @@
 """Checks that the signals of a recording agree with each other and with the model: scale, timing and brake force.
 
 A wrong unit, a late channel or another vehicle's data still give estimates, and often a better NIS than right ones,
-because adhesion and pad friction absorb the error. Six comparisons find them:
+because adhesion and pad friction absorb the error. Seven comparisons find them:
 
+    origin       v is measured, and not r ω of an axle that slides, or of the fastest or the mean of them
     scale        r ω / v is near 1 while nothing brakes
     timing       r ω <= v while a train slows: a wheelset that turns faster than it rolls is recorded late
     brake force  m Δv + Σ J Δω / r = ∫ (F_external - Σ T_brake / r) dt
@@ -10,7 +11,7 @@ because adhesion and pad friction absorb the error. Six comparisons find them:
     release      pressures fall to 0 while the train coasts: absolute pressures do not
     acceleration a = dv/dt + g sin β, at the same time
 
-The third is the balance of momentum with the adhesion between wheel and rail eliminated. It therefore holds in any
+The fourth is the balance of momentum with the adhesion between wheel and rail eliminated. It therefore holds in any
 slide, as long as the wheelsets turn: samples with a locked wheelset are left out. Its tolerance covers gradients of
 25 per mille where the track force is not recorded, loads of ±30 % and pad friction of 0.2 to 0.55.
 """
@@ -54,6 +55,11 @@ STANDING = 0.02
 SLIDING = (0.35, 0.6)
 """r ω / v at the smallest slip, if a brake is always applied: below the second it is reported, below the first refused.
 """
+
+SAME = 3e-4
+"""Share of the speed by which r ω differs from it, if it is computed from ω; creep on a dry rail is larger."""
+SLIPPING = (-1.0, 3.5)
+"""Decelerations of a braked train [m/s2]; a wheelset that slides leaves this range at its begin and end."""
 
 LATE = 0.15
 """Delay of a wheelset behind the speed with a warning [s]: filters and receivers differ by 0.1 s."""
@@ -165,7 +171,7 @@ def disagreements(
     Comparisons without the necessary signals or parameters are omitted.
     """
     comparison = _RecordingComparison(specification, run)
-    found = comparison.scales()
+    found = comparison.scales() + comparison.origins()
     if not any(each.is_impossible for each in found):
         found += comparison.delays() + comparison.accelerations()
     found += comparison.releases()
@@ -280,6 +286,39 @@ class _RecordingComparison:
         if self._speed is None or self._time.size < 2 * self._smoothed:
             return np.zeros(self._time.size)
         return -np.asarray(savgol_filter(self._speed, self._smoothed, 2, deriv=1, delta=self._period), dtype=np.float64)
+
+    # ---- origin -------------------------------------------------------------------------------------------------
+
+    def origins(self) -> list[Disagreement]:
+        """Compare the speed with that of wheelsets from which train recorders compute it, where these slide."""
+        braked = self._brake_mask()
+        if self._speed is None or not self._wheels or not self._is_long(braked := braked & (self._speed > SLOWEST)):
+            return []
+        speed, rims = self._speed[braked], {self._describe([name]): self._rim(name)[braked] for name in self._wheels}
+        every = np.stack(list(rims.values()))
+        slowing = self._slowing()[braked]
+        slides = (slowing < SLIPPING[0]) | (slowing > SLIPPING[1]) | (every.max(axis=0) > (1.0 + ALIKE) * speed)
+        if slides.mean() * speed.size * self._period < ENOUGH:
+            return []
+        rims |= {"the fastest wheelset_speed": every.max(axis=0), "the mean wheelset_speed": every.mean(axis=0)}
+        for words, rim in rims.items():
+            steps = [np.diff(np.unique(values.round(9))) for values in (speed, rim)]
+            resolution = max(float(np.median(each)) if each.size else 0.0 for each in steps)
+            ratio = float(np.median(rim / speed))
+            if np.quantile(np.abs(rim / ratio - speed) - SAME * speed, 0.98) > min(resolution, ALIKE):
+                continue
+            accelerometers = ("acceleration", *readings_in(self._recording, "acceleration_along"))
+            sentence = (
+                f"{self._describe(['speed'])} is {words} times a radius throughout, also in slides, where no train "
+                f"slows by {slowing.min():.2g} to {slowing.max():.2g} m/s2: it is computed, not measured, and friction "
+                "would be wrong by these slides. Name the column of a radar, an optical sensor or a satellite receiver"
+                ", or one of an accelerometer."
+            )
+            is_impossible = not any(
+                has_reading(self._recording, name) and self._signal(name) is not None for name in accelerometers
+            )
+            return [Disagreement("origin", ("speed",), ratio, sentence, is_impossible)]
+        return []
 
     # ---- timing -------------------------------------------------------------------------------------------------
 

@@ -112,7 +112,7 @@ class Inspection:
 
     Attributes:
         findings: Description of each column of numbers.
-        texts: Names of the other columns.
+        texts: Names of the other columns, those with fewer than two numbers included.
         signals: Signal → column that was recognised.
         proposal: Estimation as TOML that reads the recording.
         unrecognised: Signals of the proposal whose column or unit the reader has to complete.
@@ -186,7 +186,7 @@ def inspect_recording(
     ]
     return Inspection(
         findings=tuple(_with_unit(finding, recognised, wanted) for finding in findings),
-        texts=tuple(texts),
+        texts=(*texts, *(name for name in series if name not in {finding.name for finding in findings})),
         signals={signal: finding.name for signal, finding in recognised.items()},
         proposal="\n".join([*head, *lines]) + "\n",
         unrecognised=tuple(unrecognised),

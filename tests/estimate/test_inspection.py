@@ -104,11 +104,13 @@ def test_a_proposal_runs_once_unrecognised_columns_are_filled_in(tmp_path):
 def test_sampling_gaps_and_ranges_are_found(tmp_path):
     frame = rig()
     frame.loc[300:349, "Drehzahl [U/min]"] = np.nan
+    frame = frame.assign(empty=np.nan, words="x", once=[1.0, *[np.nan] * (len(frame) - 1)])
     inspection = inspect_recording(written(tmp_path, frame), Path("rig_own"))
     wheel = next(finding for finding in inspection.findings if finding.name.startswith("Drehzahl"))
     assert (wheel.samples, wheel.period) == (950, pytest.approx(0.01))
     assert (wheel.begin, wheel.end) == (0.0, pytest.approx(9.99))
     assert wheel.gaps == (pytest.approx((2.99, 0.51)),)
+    assert sorted(inspection.texts) == ["empty", "once", "words"]
     numbers = frame["Drehzahl [U/min]"]
     assert (wheel.low, wheel.high) == pytest.approx((numbers.min(), numbers.max()))
 

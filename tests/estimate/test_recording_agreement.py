@@ -102,7 +102,7 @@ def kinds(signals: dict[str, np.ndarray]) -> list[str]:
     return [each.kind for each in disagreements(load_specification(Path("wagon")), recording(signals))]
 
 
-# ---- six recordings that were once estimated without a warning ---------------------------------------------------
+# ---- recordings that were once estimated without a warning ---------------------------------------------------
 
 MAP = """
 extends = "wagon"
@@ -241,6 +241,23 @@ def test_every_wrong_force_scale_is_reported(vehicle, slides, loading, factor, i
         wagon(**vehicle, slides=slides, loading=loading), "pad_force", times(1.0 / factor if is_small else factor)
     )
     assert "brake force" in kinds(signals)
+
+
+@pytest.mark.parametrize("place", ["[1] is", "fastest", "mean"])
+@pytest.mark.parametrize("resolution", [1e-4, 0.1 / 3.6])
+def test_a_speed_that_is_computed_from_axles_that_slide_is_impossible(place, resolution):
+    signals = wagon(slides=[(0, 2.0, 1.5, 0.3), (1, 2.2, 1.5, 0.3), (0, 8.0, 1.5, 0.3), (1, 8.2, 1.5, 0.3)])
+    rims = RADIUS * np.stack([signals["wheelset_speed[1]"], signals["wheelset_speed[2]"]])
+    source = {"[1] is": rims[0], "fastest": rims.max(axis=0), "mean": rims.mean(axis=0)}[place]
+    recorded = recording(signals | {"speed": np.round(source / resolution) * resolution})
+    (found,) = [each for each in disagreements(load_specification(Path("wagon")), recorded) if each.kind == "origin"]
+    assert place.split()[0] in found.sentence
+    assert found.is_impossible
+    # With an accelerometer it is reported only.
+    measured = np.gradient(signals["speed"], PERIOD)
+    with_one = recorded.assign(reading_acceleration=("time", measured, {"units": "m/s2"}))
+    found = disagreements(load_specification(Path("wagon")), with_one)
+    assert [each.is_impossible for each in found if each.kind == "origin"] == [False]
 
 
 @few
