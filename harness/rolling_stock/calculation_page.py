@@ -37,6 +37,10 @@ _BOLD = 1.25  # width of bold letters over that of others, at most
 _TOGETHER = 10  # lines of a row up to which it is on one sheet
 
 
+_REMARKED = 0.03
+"""Difference of the distances by mean values and by time steps, as a share, that is remarked."""
+
+
 def calculation_page(
     train: Train, stops: Sequence[MeanStop], drawn: Sequence[Scatter] = (), *, origin: str, digest: str
 ) -> Page:
@@ -81,7 +85,7 @@ def calculation_page(
         values={
             **tables,
             "fastest": _km_h(fastest.speed),
-            "lambda_note": LAMBDA_NOTE,
+            "lambda_note": f"{LAMBDA_NOTE} {' '.join(remarks_on(stops))}",
             "findings": [str(finding) for finding in findings(train)],
         },
         figures={"figures/deceleration.png": _figure(fastest)},
@@ -92,6 +96,7 @@ def calculation_page(
             first,
             second,
             tables["stops"],
+            *remarks_on(stops),
             *([tables["scatter"]] if drawn else []),
             tables["axles"],
             tables["steps"],
@@ -101,13 +106,33 @@ def calculation_page(
     return replace(page, files={"calculation.pdf": lambda path: _write_pdf(path, page, parts)})
 
 
+_RANGES_OF_LAMBDA = (
+    f"{RANGES[True][0]:g} to {RANGES[True][1]:g} % from 100 km/h and {RANGES[False][0]:g} to {RANGES[False][1]:g} % "
+    "from other speeds"
+)
 LAMBDA_NOTE = (
     "Braked weight percentage λ = C/s − D by UIC 544-1, with C and D as published in "
     "RailProfAC/RailwayBrakeCalculation; verify them in the leaflet. There are values for trains from 100, 120, 140, "
     "150, 160, 180 and 200 km/h and for single vehicles from 100, 120, 140 and 160 km/h, with λ of "
-    f"{RANGES[True][0]:g} to {RANGES[True][1]:g} % from 100 km/h and of {RANGES[False][0]:g} to {RANGES[False][1]:g} % "
-    "from other speeds; elsewhere the cell is empty. λ of a train is the smallest of its column."
+    f"{_RANGES_OF_LAMBDA}; elsewhere the cell is empty. λ of a train is the smallest of its column."
 )
+
+
+def remarks_on(stops: Sequence[MeanStop]) -> list[str]:
+    """Return sentences on distances by mean values that differ from the time steps, and on empty cells of λ."""
+    remarks = [
+        f"From {_km_h(stop.speed)} the distance by time steps differs by {100 * error:+.1f} % from that by mean "
+        f"values, from which λ is formed: the brakes build up in {stop.equivalent_time:.1f} s of "
+        f"{stop.time_steps.duration:.0f} s."
+        for stop in stops
+        if abs(error := stop.time_steps.distance / stop.distance - 1) > _REMARKED
+    ]
+    if empty := [_km_h(stop.speed) for stop in stops if None in stop.percentages]:
+        remarks.append(
+            f"Cells of λ are empty from {', '.join(empty)}: UIC 544-1 has no values for this speed, or λ is outside of "
+            f"{_RANGES_OF_LAMBDA}."
+        )
+    return remarks
 
 
 def table_of_stops(stops: Sequence[MeanStop]) -> ReportTable:
@@ -150,6 +175,7 @@ def plain_calculation(train: Train, stops: Sequence[MeanStop], drawn: Sequence[S
         "rotating_mass": float(turning.sum()),
         "parking": asdict(parking(train)) if train.parking_brakes else None,
         "scatter": [{"speed": each.speed, "draws": each.distances.size, **each.figures} for each in drawn],
+        "remarks": remarks_on(stops),
         "response_time": times.tolist(),
         "response_time_rail_brakes": rail_times.tolist(),
         "stops": [
@@ -349,7 +375,7 @@ def _write_pdf(path: Path, page: Page, parts: Mapping[str, ReportTable]) -> None
         for title, table in parts.items():
             sheet.draw(title, table)
             if title == "Stops":
-                sheet.write(LAMBDA_NOTE)
+                sheet.write(page.values["lambda_note"])
         pdf.savefig(sheet.figure)
 
 

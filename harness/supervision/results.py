@@ -319,4 +319,9 @@ def braking_curves(
     remarks = [
         f"{file.name}: {words}." for file, table in files if file for words in doubts_of(table, model.maximum_speed)
     ]
+    if basis is not None and basis.data.etcs.maximum_speed is None:
+        origin = "the speed of its fastest [[reference]]" if basis.train.reference else "an assumption"
+        remarks.append(
+            f"{model.name} has no [etcs] maximum_speed: its curves end at {3.6 * model.maximum_speed:g} km/h, {origin}."
+        )
     return BrakingCurves(case, basis, tuple(remarks))

@@ -94,6 +94,10 @@ def test_a_calculation_is_a_page_a_pdf_and_json(railgrip, tmp_path):
     assert (tmp_path / "long/calculation.pdf").read_bytes().count(b"/Type /Page ") == 3
     code, out, _ = railgrip("train", "calculate", str(UNIT), "--json")
     assert [round(3.6 * stop["speed"]) for stop in json.loads(out)["stops"]] == [100, 120, 140, 160]
+    assert json.loads(out)["remarks"] == []
+    _, out, _ = railgrip("train", "calculate", "shunting_train", "--speed", "40 km/h")
+    assert "From 40 km/h the distance by time steps differs by" in out
+    assert "Cells of λ are empty from 40 km/h: UIC 544-1 has no values" in out
 
 
 @pytest.mark.parametrize(
