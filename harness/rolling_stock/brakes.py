@@ -4,10 +4,11 @@ Karwatzki's form of the laws of blocks on the tread is k1 (F + k2)/(F + k3) (v +
 block. The law of eddy-current brakes is that of Wouterse (IEE Proceedings B 138, 1991), 2 F/(v/v1 + v1/v).
 """
 
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Annotated, Any, Final, Literal, Self
+from typing import Annotated, Any, ClassVar, Final, Literal, Self
 
 import numpy as np
 from pydantic import Field, StrictBool, StrictInt, model_validator
@@ -281,6 +282,9 @@ class BrakeUnit(SourcedTable):
 class TrackBrake(SourcedTable):
     """The magnetic track brakes of a bogie: RailBraking.Components.MagneticTrackBrake."""
 
+    is_dynamic: ClassVar[bool] = False
+    instance: ClassVar[str] = "track_brake"
+
     magnets: Annotated[StrictInt, Field(ge=1, le=8)] = Field(description="number of magnets on the bogie")
     attraction: Attraction = Field(description="force that attracts one magnet to the rail")
     friction_slow: Share = Field(description="friction coefficient at standstill")
@@ -294,12 +298,18 @@ class TrackBrake(SourcedTable):
         friction = self.friction_fast + (self.friction_slow - self.friction_fast) / (1 + speed / self.friction_speed)
         return self.magnets * self.attraction * friction
 
+    def largest(self) -> float:
+        """Return the maximum force [N]."""
+        return self.magnets * self.attraction * max(self.friction_slow, self.friction_fast)
+
 
 Blending = Literal["valve", "train", "added"]
 
 
 class _DynamicBrake(SourcedTable):
-    """Keys of every dynamic brake."""
+    """Keys of every dynamic brake, and what its kind states of itself."""
+
+    is_dynamic: ClassVar[bool] = True
 
     force: Annotated[
         float,
@@ -310,6 +320,15 @@ class _DynamicBrake(SourcedTable):
         description="speed at and below which no force is available; in between it fades out linearly"
     )
     time_constant: LagTime = Field(description="time constant of the force")
+
+    @property
+    @abstractmethod
+    def speed_of_force(self) -> float:
+        """Speed up to which, or at which, the force is at its maximum [m/s]."""
+
+    def largest(self, units: float = 1.0, load: float = np.inf) -> float:  # pyright: ignore[reportUnusedParameter]
+        """Return the maximum force of a number of brakes on axles with a static load [N]."""
+        return units * self.force
 
     @model_validator(mode="after")
     def _fades_out(self) -> Self:
@@ -325,8 +344,14 @@ class _DynamicBrake(SourcedTable):
         return np.minimum(np.maximum((speed - self.speed_end) / (self.speed_full - self.speed_end), 0.0), 1.0)
 
 
-class _AxleBrake(_DynamicBrake):
-    """Keys of dynamic brakes that need adhesion."""
+class AxleBrake(_DynamicBrake):
+    """Keys of dynamic brakes that need adhesion.
+
+    A kind is a subclass in `DynamicBrake`, with a component in RailBraking.Components that has F_max, v_full, v_end, T
+    and the parameters of its law.
+    """
+
+    component: ClassVar[str]
 
     blending: Blending = Field(
         description="valve: friction brakes of the same brake valve are relieved; train: those of the whole train, "
@@ -336,11 +361,24 @@ class _AxleBrake(_DynamicBrake):
         description="slip of an axle from which its dynamic brake is off for the rest of the stop"
     )
 
+    @abstractmethod
+    def law(self, units: float) -> str:
+        """Return the parameters of the component's law for a number of brakes, in Modelica."""
+
+    @abstractmethod
+    def force_at(self, speed: Any, units: float = 1.0, load: float = np.inf) -> Any:
+        """Return the force at a speed [m/s] of a number of brakes on axles with a static load [N]."""
+
 
 class _EddyCurrent(_DynamicBrake):
     """Keys of eddy-current brakes."""
 
     speed_peak: TravelSpeed = Field(description="speed at which the force is at its maximum")
+
+    @property
+    def speed_of_force(self) -> float:
+        """Speed at which the force is at its maximum [m/s]."""
+        return self.speed_peak
 
     def force_at(self, speed: Any, units: float = 1.0, load: float = np.inf) -> Any:  # pyright: ignore[reportUnusedParameter]
         """Return the force at a speed [m/s] of a number of brakes together [N]; numbers or arrays."""
@@ -351,9 +389,10 @@ class _EddyCurrent(_DynamicBrake):
         return self.force * (2 * self.speed_peak * speed / (self.speed_peak**2 + speed**2))
 
 
-class Electrodynamic(_AxleBrake):
+class Electrodynamic(AxleBrake):
     """Traction motors as generators: RailBraking.Components.ElectrodynamicBrake."""
 
+    component: ClassVar[str] = "ElectrodynamicBrake"
     kind: Literal["electrodynamic"]
     power: Annotated[
         float,
@@ -363,7 +402,16 @@ class Electrodynamic(_AxleBrake):
         default=None, description="adhesion on the static load of its axles to which the force is limited"
     )
 
-    def largest(self, units: float, load: float) -> float:
+    @property
+    def speed_of_force(self) -> float:
+        """Speed above which the power limits the force [m/s]."""
+        return self.power / self.force
+
+    def law(self, units: float) -> str:
+        """Return the parameters of the component's law for a number of brakes, in Modelica."""
+        return f"P_max={units * self.power:.10g}"
+
+    def largest(self, units: float = 1.0, load: float = np.inf) -> float:
         """Return the maximum force of a number of brakes on axles with a static load [N]."""
         return min(units * self.force, np.inf if self.adhesion_limit is None else self.adhesion_limit * load)
 
@@ -373,20 +421,26 @@ class Electrodynamic(_AxleBrake):
         return np.minimum(self.largest(units, load), by_power) * self._fade(speed)
 
 
-class EddyCurrentAxle(_EddyCurrent, _AxleBrake):
+class EddyCurrentAxle(_EddyCurrent, AxleBrake):
     """A rotating eddy-current brake on the discs of an axle: RailBraking.Components.EddyCurrentBrake."""
 
+    component: ClassVar[str] = "EddyCurrentBrake"
     kind: Literal["eddy_current_axle"]
+
+    def law(self, units: float) -> str:  # pyright: ignore[reportUnusedParameter]
+        """Return the parameters of the component's law for a number of brakes, in Modelica."""
+        return f"v_peak={self.speed_peak}"
 
 
 class EddyCurrentRail(_EddyCurrent):
     """The linear eddy-current brake of a bogie, used in an emergency: RailBraking.Components.EddyCurrentBrake."""
 
+    instance: ClassVar[str] = "eddy_current"
+    delay: ClassVar[float] = 0.0
     kind: Literal["eddy_current_rail"]
 
 
 DynamicBrake = Annotated[Electrodynamic | EddyCurrentAxle | EddyCurrentRail, Field(discriminator="kind")]
-AxleBrake = Electrodynamic | EddyCurrentAxle
 RailBrake = TrackBrake | EddyCurrentRail
 
 

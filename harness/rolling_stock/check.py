@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from railgrip.base.errors import InputError
-from railgrip.rolling_stock.brakes import Electrodynamic
 from railgrip.rolling_stock.calculation import PARKING_ADHESION, PARKING_SLOPE, parking
 from railgrip.rolling_stock.schema import BogieInTrain, BrakePipe, Train, load_train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand
@@ -299,14 +298,10 @@ def _dynamic(train: Train) -> Iterator[TrainRemark]:
         where = f"[dynamic_brakes.{kind}]"
         if kind not in used:
             yield TrainRemark(where, "is on no bogie: name it as dynamic_brake in a table of [bogies]", wrong=False)
-        if isinstance(brake, Electrodynamic) and brake.power < brake.force * brake.speed_full:
-            yield TrainRemark(
-                f"{where} power",
-                f"is {brake.power / 1e3:g} kW, reached with {brake.force / 1e3:g} kN at "
-                f"{3.6 * brake.power / brake.force:.3g} km/h, below speed_full of {3.6 * brake.speed_full:g} km/h: the "
-                "maximum force is never available",
-                wrong=False,
-            )
+        if brake.speed_of_force < brake.speed_full:
+            words = f"is {3.6 * brake.speed_full:g} km/h, but the force is {brake.force / 1e3:g} kN up to or at "
+            words += f"{3.6 * brake.speed_of_force:.3g} km/h: the maximum force is never available"
+            yield TrainRemark(f"{where} speed_full", words, wrong=False)
 
 
 def _stops(train: Train) -> Iterator[TrainRemark]:

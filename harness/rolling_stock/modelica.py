@@ -6,7 +6,6 @@ from itertools import accumulate
 from typing import Any
 
 from railgrip.report.page import render
-from railgrip.rolling_stock.brakes import Electrodynamic, TrackBrake
 from railgrip.rolling_stock.schema import BogieInTrain, Train
 from railgrip.rolling_stock.stopping import wire_of
 
@@ -83,9 +82,9 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         couplers=[train.couplers[car.coupler] for car in train.cars if car.coupler],
         rail_brakes=[
             {
-                "name": f"track_brake{number}" if isinstance(brake, TrackBrake) else f"eddy_current{number}",
+                "name": f"{brake.instance}{number}",
                 "brake": brake,
-                "is_magnetic": isinstance(brake, TrackBrake),
+                "is_magnetic": not brake.is_dynamic,
                 "body": body_of_car[bogie.cars[0]] + 1,
             }
             for number, (bogie, _, brake) in enumerate(train.rail_brakes, start=1)
@@ -172,13 +171,11 @@ def _dynamic_brakes(train: Train, body_of_car: Sequence[int]) -> list[dict[str, 
     found: list[dict[str, Any]] = []
     for each in train.dynamic_groups:
         axle, brake = train.axles[train.groups[each.group][0]], each.brake
-        is_electric = isinstance(brake, Electrodynamic)
         found.append(
             {
                 "brake": brake,
-                "class": "ElectrodynamicBrake" if is_electric else "EddyCurrentBrake",
-                "law": f"P_max={_digits(each.units * brake.power)}" if is_electric else f"v_peak={brake.speed_peak}",
-                "force": brake.largest(each.units, each.load) if is_electric else each.units * brake.force,
+                "law": brake.law(each.units),
+                "force": brake.largest(each.units, each.load),
                 "group": each.group + 1,
                 "body": body_of_car[axle.car] + 1,
                 "place": 0 if brake.blending == "added" else place_of_valve[each.valve],
@@ -191,8 +188,8 @@ def _blended(train: Train, body_of_car: Sequence[int], *, pneumatic: bool) -> di
     """Return dynamic brakes, relieved valves, and the expressions that connect them."""
     dynamics, supply = _dynamic_brakes(train, body_of_car), _command(train, body_of_car)["supply_of_group"]
     blending = _blending(train)
-    names = [f"eddy_current{i}" for i, (*_, b) in enumerate(train.rail_brakes, 1) if not isinstance(b, TrackBrake)]
-    bodies = [body_of_car[b.cars[0]] + 1 for b, _, brake in train.rail_brakes if not isinstance(brake, TrackBrake)]
+    names = [f"{b.instance}{i}" for i, (*_, b) in enumerate(train.rail_brakes, 1) if b.is_dynamic]
+    bodies = [body_of_car[b.cars[0]] + 1 for b, _, brake in train.rail_brakes if brake.is_dynamic]
 
     def demanded(group: int, valve: range) -> str:
         if pneumatic and train.command is None:

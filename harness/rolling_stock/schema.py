@@ -23,7 +23,6 @@ from railgrip.rolling_stock.brakes import (
     Blocks,
     BrakeUnit,
     DynamicBrake,
-    EddyCurrentRail,
     LagTime,
     Pads,
     ParkingBrake,
@@ -651,7 +650,7 @@ class BogieInTrain:
         brakes: list[tuple[str, RailBrake]] = []
         if self.track_brake is not None:
             brakes.append((str(self.data.track_brake), self.track_brake))
-        if isinstance(self.dynamic_brake, EddyCurrentRail):
+        if self.dynamic_brake is not None and not isinstance(self.dynamic_brake, AxleBrake):
             brakes.append((str(self.data.dynamic_brake), self.dynamic_brake))
         return tuple(brakes)
 
@@ -745,7 +744,7 @@ class Train(Table):
                     raise table_error(f"[bogies.{kind}] {key}_units needs {key}_brake")
                 if not any(units):
                     raise table_error(f"[bogies.{kind}] {key}_units has only zeros: leave out {key}_brake")
-            is_on_rail = bogie.dynamic_brake and isinstance(self.dynamic_brakes[bogie.dynamic_brake], EddyCurrentRail)
+            is_on_rail = bogie.dynamic_brake and not isinstance(self.dynamic_brakes[bogie.dynamic_brake], AxleBrake)
             if is_on_rail and bogie.dynamic_units != (1,):
                 raise table_error(
                     f"[bogies.{kind}] dynamic_units: a brake on the rail belongs to the bogie, not to axles"
@@ -837,12 +836,7 @@ class Train(Table):
     @property
     def track_brake_force(self) -> float:
         """Maximum total force of all brakes on the rail itself [N]."""
-        return sum(
-            brake.magnets * brake.attraction * max(brake.friction_slow, brake.friction_fast)
-            if isinstance(brake, TrackBrake)
-            else brake.force
-            for *_, brake in self.rail_brakes
-        )
+        return sum(brake.largest() for *_, brake in self.rail_brakes)
 
     @cached_property
     def dynamic_groups(self) -> tuple[DynamicGroup, ...]:

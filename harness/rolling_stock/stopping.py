@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 from railgrip.base.arrays import Matrix, Vector
 from railgrip.base.errors import InputError
 from railgrip.base.units import GRAVITY
-from railgrip.rolling_stock.brakes import CONSTANT, SHAPE, BlockLaw, RailBrake, TrackBrake
+from railgrip.rolling_stock.brakes import CONSTANT, SHAPE, BlockLaw, RailBrake
 from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, Train
 from railgrip.scenario.table import Table
 
@@ -108,7 +108,7 @@ def _stop_of(data: _Data, speed: float, developed: bool, dynamic: bool) -> HandC
     shares = _shares_of_load(train, mass)
     of_car = np.array([axle.car for axle in train.axles])
     cars = (of_car == np.arange(len(train.cars))[:, None]).astype(float)  # a row per car, 1 for each of its axles
-    on_rail = [(b.cars[0], brake) for b, _, brake in train.rail_brakes if dynamic or isinstance(brake, TrackBrake)]
+    on_rail = [(b.cars[0], brake) for b, _, brake in train.rail_brakes if dynamic or not brake.is_dynamic]
     car_of_rail = np.array([car for car, _ in on_rail], dtype=np.intp)
     # Equal brakes have equal forces: a long train has few kinds.
     kinds = list({id(brake): brake for _, brake in on_rail}.values())
@@ -138,7 +138,7 @@ def _stop_of(data: _Data, speed: float, developed: bool, dynamic: bool) -> HandC
         step = v / deceleration if last else _STEP
         way = v * step - 0.5 * deceleration * step**2
         s += way
-        eddy = sum(rail[i] for i, (_, brake) in enumerate(on_rail) if not isinstance(brake, TrackBrake))
+        eddy = sum(rail[i] for i, (_, brake) in enumerate(on_rail) if brake.is_dynamic)
         taken += (float(electric.sum()) + eddy) * way
         v = 0.0 if last else v - deceleration * step
         t += step
@@ -293,7 +293,7 @@ def developed_forces(train: Train, start: float, *, dynamic: bool = True) -> Cal
         shares = [1.0 if d is None or (start >= d.speed_up and speed >= d.speed_down) else d.low_share for d in stages]
         friction, electric = rims.at(speed, np.array(shares), inf)
         left, _ = rims.blend(speed, np.array(shares), inf)
-        rail = [_rail_force(b, speed, inf) if dynamic or isinstance(b, TrackBrake) else 0.0 for b in on_rail]
+        rail = [_rail_force(b, speed, inf) if dynamic or not b.is_dynamic else 0.0 for b in on_rail]
         resistance = rolling + _drag(train, speed)
         return DevelopedForces(
             friction=friction, dynamic=electric, left=left, rail=np.array(rail), resistance=resistance
@@ -318,8 +318,7 @@ def response_times(train: Train) -> tuple[Vector, Vector]:
             arrival = np.array([axle.position for axle in axles]) / _front_speed(train, pipe)
             filling, inshot = np.array([train.filling_of_car[axle.car] for axle in axles]).T
             times = arrival + filling / (_FILLED - inshot) * (1 - inshot) ** 2 / 2
-    delays = [brake.delay if isinstance(brake, TrackBrake) else 0.0 for *_, brake in train.rail_brakes]
-    return times, np.array([d + brake.time_constant for d, (*_, brake) in zip(delays, train.rail_brakes, strict=True)])
+    return times, np.array([brake.delay + brake.time_constant for *_, brake in train.rail_brakes])
 
 
 def _require_end(train: Train, speed: float, time: float) -> None:
@@ -521,8 +520,7 @@ class _StageRelays:
 
 def _rail_force(brake: RailBrake, speed: Any, time: Any) -> Any:
     """Return the force of a bogie's brakes on the rail [N], `time` [s] after the demand; numbers or arrays."""
-    after = np.maximum(time - brake.delay, 0.0) if isinstance(brake, TrackBrake) else time
-    return -np.expm1(-after / brake.time_constant) * brake.force_at(speed)
+    return -np.expm1(-np.maximum(time - brake.delay, 0.0) / brake.time_constant) * brake.force_at(speed)
 
 
 _BRAKE = ("piston_area", "rigging", "efficiency", "spring_force", "pressure_max", "pad_friction")

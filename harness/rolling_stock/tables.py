@@ -3,7 +3,6 @@
 from collections import Counter
 
 from railgrip.report.table import ReportTable
-from railgrip.rolling_stock.brakes import Electrodynamic
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import HandCalculation, full_brake_force, parking_forces
 from railgrip.vehicle.formation import axle_load
@@ -71,10 +70,9 @@ def sentence_of_equipment(train: Train) -> str:
     words: list[str] = []
     for name, count in Counter(b.data.dynamic_brake for b in train.bogies_in_train if b.dynamic_brake).items():
         brake = train.dynamic_brakes[str(name)]
-        at = brake.power / brake.force if isinstance(brake, Electrodynamic) else brake.speed_peak
         words.append(
             f"{name} on {count} bogies: {brake.kind.replace('_', ' ')}, {brake.force / 1e3:g} kN up to or at "
-            f"{3.6 * at:.0f} km/h, off at {3.6 * brake.speed_end:g} km/h"
+            f"{3.6 * brake.speed_of_force:.0f} km/h, off at {3.6 * brake.speed_end:g} km/h"
         )
     for kind, count in Counter(car.distributor for car in train.cars if car.distributor).items():
         distributor, parts = train.distributors[kind], list[str]()

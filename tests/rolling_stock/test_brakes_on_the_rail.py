@@ -47,7 +47,7 @@ def require_emergency(text):
 
 
 def test_every_kind_of_brake_on_the_rail_has_an_example():
-    needs_no_axle = set(get_args(get_args(DynamicBrake)[0])) - set(get_args(AxleBrake))
+    needs_no_axle = {kind for kind in get_args(get_args(DynamicBrake)[0]) if not issubclass(kind, AxleBrake)}
     lacking = sorted(kind.__name__ for kind in {*get_args(RailBrake), *needs_no_axle} - EXAMPLES.keys())
     assert not lacking, f"add a table of {', '.join(lacking)} to EXAMPLES: it must act in an emergency brake alone"
 
