@@ -14,6 +14,7 @@ from collections.abc import Generator, Iterable, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib import import_module
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ import h5py
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.io import loadmat
+from scipy.io import loadmat, whosmat
 
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import EstimationError, InputError, UnitError
@@ -137,6 +138,19 @@ def _reading(path: Path, what: str) -> Generator[None]:
         raise EstimationError(f"{path.name}: is not {what}: {cut(str(problem))}") from problem
 
 
+def _require_memory(path: Path, numbers: int) -> None:
+    """Refuse a file whose values take far more memory than the file has bytes, as a short one may ask for."""
+    if 8 * numbers > max(LARGEST_TABLE, _COMPRESSED * path.stat().st_size):
+        raise EstimationError(
+            f"{path.name}: has {path.stat().st_size} bytes and asks for {numbers} values, {8 * numbers >> 20} MiB; "
+            "it is damaged, or export only the signals that the estimation needs."
+        )
+
+
+_COMPRESSED = 30
+"""Ratio of the memory of recorded signals to the size of their file that compression reaches."""
+
+
 def _library(path: Path, module: str, extra: str) -> Any:
     try:
         return import_module(module)
@@ -150,9 +164,11 @@ def _library(path: Path, module: str, extra: str) -> Any:
 def _parquet(path: Path, columns: Sequence[str] | None) -> Columns:
     parquet = _library(path, "pyarrow.parquet", "parquet")
     with _reading(path, "a parquet file"):
+        about, schema = parquet.read_metadata(path), parquet.read_schema(path)
         if columns is not None:
-            _all_there(path, columns, parquet.read_schema(path).names)
+            _all_there(path, columns, schema.names)
             columns = list(dict.fromkeys(columns))
+        _require_memory(path, about.num_rows * len(columns or schema.names))
         # Without the metadata of pandas, levels of an index are columns.
         frame = parquet.read_table(path, columns=columns).to_pandas(ignore_metadata=True)
     units = {str(name): "s" for name in frame.columns if frame[name].dtype.kind == "m"}
@@ -180,14 +196,19 @@ def _mat(path: Path) -> Columns:
 
     with _reading(path, "a MATLAB file"):
         if h5py.is_hdf5(path):  # MATLAB 7.3 writes HDF5
+            found: dict[str, h5py.Dataset] = {}
 
             def visit(name: str, item: object) -> None:
                 if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiub":
-                    collect(name.replace("/", "."), np.asarray(item[()]))
+                    found[name.replace("/", ".")] = item
 
             with h5py.File(path) as file:
                 file.visititems(visit)
+                _require_memory(path, sum(item.size for item in found.values()))
+                for name, item in found.items():
+                    collect(name, np.asarray(item[()]))
         else:
+            _require_memory(path, sum(prod(shape) for _, shape, _ in whosmat(path)))
             for name, value in loadmat(path, simplify_cells=True).items():
                 if not name.startswith("__"):
                     collect(name, value)
@@ -416,6 +437,8 @@ def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Seri
         if columns is None:
             columns = list(places)
         _all_there(path, [name for name in columns if name not in file.channels_db and name not in places], [*places])
+        rows = [file.groups[places[name][0]].channel_group.cycles_nr for name in columns if name in places]
+        _require_memory(path, 2 * sum(rows))  # with their instants
         for name in columns:
             if name not in places:
                 ways = [label for label in places if label.startswith(f"{name} (")]

@@ -4,6 +4,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pandas as pd
 import pint
@@ -415,6 +416,20 @@ def test_missing_damaged_and_unknown_files_are_refused(tmp_path):
         (tmp_path / f"bad{suffix}").write_bytes(b"not at all" * 100)
         with pytest.raises(EstimationError, match=f"is not {what}"):
             recording_from(tmp_path / f"bad{suffix}")
+
+
+def test_a_short_file_that_asks_for_much_memory_is_refused(tmp_path, monkeypatch):
+    """Compressed, or of HDF5 with chunks that were never written; a file of random numbers of this size is read."""
+    pytest.importorskip("pyarrow")
+    monkeypatch.setattr("railgrip.recording.files.LARGEST_TABLE", 1 << 20)
+    frame = pd.DataFrame(dict.fromkeys("tvnFT", np.zeros(100_000)))
+    with h5py.File(tmp_path / "run.mat", "w") as file:
+        file.create_dataset("v", shape=(300_000_000,), dtype="f4", chunks=(1000,))
+    savemat(tmp_path / "old.mat", dict(frame.items()), do_compression=True)
+    frame.to_parquet(tmp_path / "run.parquet")
+    for name in ("run.mat", "old.mat", "run.parquet"):
+        with pytest.raises(EstimationError, match=rf"^{name}: has \d+ bytes and asks for \d+ values, \d+ MiB"):
+            recording_from(tmp_path / name)
 
 
 @pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
