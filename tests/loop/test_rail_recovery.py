@@ -171,25 +171,6 @@ def test_cleaning_slip_shortens_the_stop_and_half_the_period_changes_little(cont
     assert stops[0].metrics.utilisation <= 1.0
 
 
-@pytest.mark.parametrize(
-    ("scenario", "changes", "words"),
-    [
-        (
-            "trapezoid",
-            [WRITTEN, "adhesion.conditioning.fraction=0", "controller.kind=ideal_bound", "estimator.kind=none"],
-            "takes friction over distance where slip cleans the rail",
-        ),
-        ("plain", ["adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='2 m'}"], "recovery] rate"),
-        ("plain", ["adhesion.recovery={mu0=0.3, A=0.4, B=0.6}"], "recovery"),
-        ("plain", [WRITTEN, "limits.horizon=950 s"], "shorten"),
-    ],
-)
-def test_recovery_that_contradicts_the_scenario_is_refused(scenario, changes, words):
-    with pytest.raises(ScenarioError) as refusal:
-        run_stop(load(LIBRARY / f"{scenario}.toml", changes))
-    assert words in str(refusal.value)
-
-
 def test_a_plant_without_loads_or_positions_is_refused():
     outputs = truth(0.0)
     outputs[LAYOUT.output["wheelset_load"]] = np.nan

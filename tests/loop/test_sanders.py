@@ -5,7 +5,6 @@ import pytest
 from rails import constant_rail, outputs
 from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 
-from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.surface import Sand, SandedRail, Sander
@@ -128,23 +127,6 @@ def test_sand_shortens_a_stop_and_half_the_period_changes_little():
     assert two.metrics.distance < one.metrics.distance < 0.8 * plain.metrics.distance
     assert half.metrics.distance == pytest.approx(one.metrics.distance, rel=2e-3)
     assert one.metrics.utilisation <= 1.0
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ([WRITTEN[1]], "[[sanders]] needs [adhesion.sand]"),
-        ([LAW, "sanders=[{wheelset=9, rate='2 kg/min', delay=0}]"], "wheelset 9, the vehicle has 6"),
-        ([LAW, "sanders=[{wheelset=1, rate='2 kg/min'}]"], "delay"),
-        ([LAW, "sanders=[{wheelset=1, rate=0.01, delay=0, begin=5, end=4}]"], "not after begin"),
-        ([LAW, "sanders=[{wheelset=1, rate='2 g/m', delay=0}]"], "rate"),
-        ([*WRITTEN, "controller.kind=ideal_bound", "estimator.kind=none"], "[[sanders]]"),
-    ],
-)
-def test_sanders_that_contradict_the_scenario_are_refused(changes, words):
-    with pytest.raises(ScenarioError) as refusal:
-        run_stop(load(LIBRARY / "plain.toml", changes))
-    assert words in str(refusal.value)
 
 
 def test_sand_follows_the_demand_of_a_controller_after_the_delay():

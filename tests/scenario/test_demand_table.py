@@ -101,45 +101,6 @@ def test_the_content_of_a_profile_is_part_of_the_digest(tmp_path):
     assert digest(1e5) == digest(1e5) != digest(2e5)
 
 
-END = {"pressure": 0}
-SOFT_BELOW_FULL = {"distance": 100, "deceleration": 2, "full_deceleration": 1}
-
-
-@pytest.mark.parametrize(
-    ("demand", "words"),
-    [
-        ({}, r"\] needs either phases or the file of a profile"),
-        ({"phases": [END], "file": "plain.toml"}, "needs either phases or"),
-        ({"phases": [END, END]}, r"phases\[1\] has no 'until'"),
-        ({"phases": [END | {"until": {"time": 1}}]}, r"phases\[1\] is the last one and lasts to the end, leave out"),
-        ({"phases": [END | {"until": {"time": 1, "distance": 2}}, END]}, "needs exactly one of time, dur.* got 2"),
-        ({"phases": [{}]}, "has neither pressure and stop_at"),
-        ({"phases": [{"pressure": "-1 bar"}]}, "pressure must be at least 0 Pa, got '-1 bar'"),
-        ({"phases": [{"pressure": "2 m"}]}, "pressure .*'2 m'"),
-        ({"phases": [{"pressure": []}]}, "pressure is an empty list"),
-        ({"phases": [END | {"traction": {"force": "2 MN"}}]}, r"traction\] force must be at most 1e\+06 N"),
-        ({"phases": [END | {"tracton": {"force": "2 MN"}}]}, "did you mean 'traction'"),
-        ({"phases": [{"stop_at": SOFT_BELOW_FULL}]}, "deceleration 2 m/s2 is above full_deceleration 1 m/s2"),
-        ({"file": "none.csv"}, "there is no file"),
-        # The content of a profile
-        ("time,pressure\n0,0\n0,1\n", "line 3: time does not rise"),
-        (
-            "time,pressure\n0,0\n1,-1\n",
-            r"line 3: pressure must be at least 0 and at most 1e\+08 Pa; a column in another",
-        ),
-        ("distance,pressure\n0,0\n1,1\n", r"first line must name time \[s\], and pressure"),
-        ("time,pressure\n0,0\n", "has 1 rows of numbers"),
-    ],
-)
-def test_bad_tables_are_refused_in_a_sentence(demand, words, tmp_path):
-    folder = LIBRARY
-    if isinstance(demand, str):
-        (tmp_path / "brake.csv").write_text(demand)
-        demand, folder = {"file": "brake.csv"}, tmp_path
-    with pytest.raises(ScenarioError, match=rf"^mine\.toml: \[demand.*{words}"):
-        scenario_with(demand, folder)
-
-
 @pytest.mark.parametrize(
     ("header", "pascals"), [("pressure [kPa]", 1e3), ("pressure [bar]", 1e5), ("pressure (psi)", 6894.757293168361)]
 )
@@ -152,18 +113,15 @@ def test_a_profile_states_its_unit(header, pascals, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("pressure", "words"),
+    ("content", "words"),
     [
-        ("3.5 bar", r"\[demand.phases\[1\]\] pressure asks for 350000 Pa, but full brake is 340000 Pa"),
-        ([0, 0, 0], "is for 3 groups, the vehicle has 2"),
-        (3.4, r"pressure is 3.4 Pa at most, at which no brake acts .* state the unit: '3 bar' in a scenario"),
+        ("time,pressure\n0,0\n0,1\n", "line 3: time does not rise"),
+        ("time,pressure\n0,0\n1,-1\n", r"line 3: pressure must be at least 0 and at most 1e\+08 Pa; a column in anoth"),
+        ("distance,pressure\n0,0\n1,1\n", r"first line must name time \[s\], and pressure"),
+        ("time,pressure\n0,0\n", "has 1 rows of numbers"),
     ],
 )
-def test_more_than_full_brake_or_another_formation_is_refused(pressure, words):
-    with pytest.raises(ScenarioError, match=words):
-        phases({"phases": [{"pressure": pressure}]})
-
-
-def test_the_ideal_bound_accepts_no_demand():
-    with pytest.raises(ScenarioError, match=r"ideal_bound uses all adhesion .* leave out \[demand\]"):
-        load(LIBRARY / "service_steps.toml", ["controller.kind=ideal_bound"])
+def test_a_bad_profile_is_refused_in_a_sentence(content, words, tmp_path):
+    (tmp_path / "brake.csv").write_text(content)
+    with pytest.raises(ScenarioError, match=rf"^mine\.toml: \[demand.*{words}"):
+        scenario_with({"file": "brake.csv"}, tmp_path)

@@ -1,6 +1,5 @@
 """The tables [[faults]] and [truth]: their meaning and their refusals."""
 
-import re
 import tomllib
 from typing import get_args
 
@@ -40,48 +39,6 @@ def parts(scenario):
 def plant_of(scenario):
     vehicle = VehicleData(scenario)
     return vehicle.changes, vehicle.track_force.at(10.0)
-
-
-def faulty(part, kind, **more):
-    return {"faults": [{"part": part, "kind": kind} | more]}
-
-
-@pytest.mark.parametrize(
-    ("tables", "sentence"),
-    [
-        (faulty("radar", "held"), "[faults[1]] part is 'radar'; there is 'valve'"),
-        (faulty("radar", "dead", group=1), "[faults[1]] has 'group', but radar takes no place"),
-        (faulty("valve", "held", wheelset=1), "[faults[1]] has no key 'wheelset'; it has begin, end"),
-        (faulty("radar", "dead", begin="3 s", end="2 s"), "[faults[1]] end 2 s is not after begin 3 s"),
-        (faulty("radar", "scaled"), "[faults[1]] has no 'value'"),
-        (faulty("radar", "dead", value=2), "[faults[1]] has no key 'value'"),
-        (faulty("supply", "sagging", value="60 l"), "[faults[1]] has no 'pressure'"),
-        (faulty("valve", "held", refill="1 m3/min"), "[faults[1]] has no key 'refill'"),
-        (faulty("wheel", "dead"), "[faults[1]] part is 'wheel'; there is 'speed_sensor'"),
-        (faulty("radar", "biased", value="1 bar"), "plain: [faults[1]] value"),
-        (faulty("radar", "noisy", value="-1 m/s"), "[faults[1]] value must be above 0 for kind 'noisy'"),
-        (faulty("valve", "held", group=5), "[faults[1]] is at group 5, the vehicle has 4"),
-        (faulty("valve", "slow", value="1 min"), "[faults[1]] delays a valve by 60 s; at most 10 s"),
-        (faulty("speed_sensor", "missing_teeth", value=1.5), "[faults[1]] value is a number of teeth"),
-        (faulty("speed_sensor", "missing_teeth", value=100), "[faults[1]] takes 100 teeth of 100"),
-        # These do not match the vehicle.
-        ({"equipment": "ideal"} | faulty("speed_sensor", "missing_teeth", value=1), "needs pole wheels"),
-        (faulty("brake", "isolated", group=1, value=3), "isolates all units"),
-        (faulty("brake", "isolated", value=1, end=2), "leave out begin"),
-        ({"truth": {"load": [1.1, 1.2]}}, "[truth] load has 2 factors, the plant has 6 of m_wheelset"),
-        ({"truth": {"wheel_radius": 0}}, "[truth] wheel_radius must be above 0, got 0"),
-        ({"truth": {"creep": {"k_X": 1.0}}}, "k_X"),
-        ({"truth": {"laod": 1.0}}, "[truth] has no key 'laod'; did you mean 'load'?"),
-    ],
-)
-def test_a_wrong_fault_is_refused(tables, sentence):
-    def assemble():
-        scenario = scenario_with(**tables)
-        parts(scenario)
-        plant_of(scenario)
-
-    with pytest.raises(ScenarioError, match=re.escape(sentence)):
-        assemble()
 
 
 units = st.sampled_from(["", "s", "bar", "m/s", "rad/s", "m", "l", "m/s**2"])

@@ -8,7 +8,6 @@ from sampling import FUZZ
 from scipy import stats
 from synthetic import TWO_PART_TRAIN
 
-from railgrip.base.errors import ScenarioError
 from railgrip.report.reference import creep_curves_of
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import scenario_of
@@ -125,18 +124,3 @@ def test_patches_have_edges_and_a_separate_creep_curve():
     steepest = np.abs(np.diff(found.mu0_at[:, 0])).max()
     assert steepest == pytest.approx(0.17 * found.step, rel=0.02)  # from 0.2 to 0.03 over 1 m, the maximum
     assert creep_curves_of(scenario.resolved()) == "wet, leaf"
-
-
-@pytest.mark.parametrize(
-    ("wrong", "sentence"),
-    [
-        ({"shortest": "20 m"}, "shortest 20 is above longest 15"),
-        ({"minimum": 0.1}, "minimum 0.1 is above maximum 0.05"),
-        ({"count": 10}, r"\[adhesion\] count must be at most 1"),
-        ({"count": "10 m"}, "count"),
-        ({"shortest": 0, "longest": 0}, "longest must be above 0 m"),
-    ],
-)
-def test_an_invalid_rail_of_leaves_is_refused(wrong, sentence):
-    with pytest.raises(ScenarioError, match=sentence):
-        rail(**wrong)

@@ -100,23 +100,6 @@ def test_an_impossible_path_is_reported_as_a_missing_file(path):
     refusal(load, TRAPEZOID, [f"adhesion={{kind='table', polach='dry', file={table}}}"])
 
 
-@pytest.mark.parametrize(
-    ("override", "sentence"),
-    [
-        ("start.speed=" + "9" * 400, "a finite number is expected"),
-        ("seed=" + "9" * 30, "seed is 999999"),
-        ("periods.communication=1e-9", "[periods] communication must be at least 1e-06 s"),
-        ("periods.communication=10 us", "9e+06 samples; a stop holds 1e+06 at most"),
-        ("adhesion.period=1e9 s", "[adhesion] period must be at most 100000 s"),
-        ("vehicle.plant=system.ssp", "railgrip exports and does not import"),
-        ("vehicle.plant=system.ssp", "extract the .fmu"),
-    ],
-    ids=lambda text: text[:40],
-)
-def test_a_value_beyond_all_trains_is_refused(override, sentence):
-    assert sentence in refusal(load, TRAPEZOID, [override])
-
-
 @pytest.mark.parametrize(("name", "key"), [("random", "correlation=1e-6 s"), ("sine_sweep", "end_frequency=1 MHz")])
 def test_a_rail_finer_than_the_samples_is_refused(name, key):
     scenario = load(SCENARIOS / "library" / f"{name}.toml", [f"adhesion.{key}"])

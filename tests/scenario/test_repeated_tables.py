@@ -1,13 +1,9 @@
 """A repeatable table written once in single brackets is refused with a hint at double brackets."""
 
-import re
-
 import pytest
-from synthetic import LIBRARY
 
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.campaign import load_campaign
-from railgrip.scenario.load import load
 
 CAMPAIGN = 'name = "mine"\nscenarios = ["plain"]\n[axes.control]\nnone = { "controller.kind" = "full_brake" }\n'
 
@@ -17,13 +13,6 @@ def test_a_campaign_gives_the_hint(table, tmp_path):
     (tmp_path / "mine.toml").write_text(f'{CAMPAIGN}[{table}]\ncontrol = "none"\n', encoding="utf-8")
     with pytest.raises(ScenarioError, match=rf"mine.toml: \[{table}\] is a table, .*; write \[\[{table}\]\]"):
         load_campaign(tmp_path / "mine.toml")
-
-
-@pytest.mark.parametrize("table", ["faults", "sanders", "track.gradient", "adhesion.patch"])
-def test_a_scenario_gives_the_hint(table):
-    hint = f"[{table}] is a table, but may be given several times; write [[{table}]]"
-    with pytest.raises(ScenarioError, match=re.escape(hint)):
-        load(LIBRARY / "plain.toml", [f"{table}={{begin=0}}"])
 
 
 @pytest.mark.parametrize("last", [2**63, 2**70, 10**400, -1, 1.5, True], ids=range(6))

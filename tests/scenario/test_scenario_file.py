@@ -1,6 +1,5 @@
 """A scenario file is read completely and exactly, or refused in sentences that name file, table and key."""
 
-import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -80,101 +79,6 @@ def test_a_named_polach_set_becomes_the_plants_parameters():
     polach = load(TRAPEZOID, ["adhesion.polach=dry"]).adhesion.polach
     # Polach, Wear 258 (2005) 992, dry.
     assert polach.plant_parameters() == {"k_A": 1.0, "k_S": 0.4, "A_falling": 0.4, "B_falling": 0.6}
-
-
-SERVICE = "sensors.kind=service"
-
-REFUSALS = [
-    (["adhesion.levl=3"], "[adhesion] has no key 'levl'; did you mean 'level'?"),
-    (["adhesoin.kind=x"], "the top level has no key 'adhesoin'; did you mean 'adhesion'?"),
-    (["frobnicate.x=1"], "the top level has no key 'frobnicate'; it has actuation, adhesion"),
-    (["adhesion.kind=sinus"], "[adhesion] kind is 'sinus'; there is constant, points, "),
-    (["adhesion.kind=constant"], "[adhesion] has no 'mu0'; it is required"),
-    (["start.speed=80 km"], "[start] speed is '80 km', but 'km' cannot be converted to 'm/s'."),
-    (
-        ["start.speed=80 kmm/h"],
-        "[start] speed is '80 kmm/h', whose unit 'kmm/h' is not a unit known here; did you mean 'km/h'",
-    ),
-    (["start.speed=fast"], "[start] speed is 'fast', which is not a number with a unit such as '80 km/h'."),
-    (["start.speed=true"], "[start] speed is true, but a number in 'm/s' is expected."),
-    (["start.speed='80'"], "[start] speed is '80', which names no unit"),
-    (["start.speed=nan"], "[start] speed is nan, but a finite number is expected."),
-    (["start.speed=-3 km/h"], "[start] speed must be at least 0 m/s, got '-3 km/h'."),
-    (["start.speed=1e8"], "[start] speed must be at most 160 m/s, got 100000000.0; no train"),
-    (["limits.horizon=1e9"], "[limits] horizon must be at most 10800 s, got 1000000000.0; no braking"),
-    (["limits.alpha_max=0"], "[limits] alpha_max must be above 0, got 0."),
-    (["seed=1.5"], "seed is 1.5; input should be a valid integer"),
-    (["adhesion.polach={k_A=2}"], "[adhesion.polach] k_A must be at most 1, got 2."),
-    (
-        ["controller.kind=slope_seeking", "controller.tuning=type_test"],
-        "[controller] tuning is 'type_test'; slope_seeking has",
-    ),
-    (
-        ["vehicle.formation.wheelsets_per_group=[2, 0]"],
-        "[vehicle.formation.wheelsets_per_group] 1 is 0; input should be",
-    ),
-    (["periods.trace=20 s"], "[limits] horizon 90 s is shorter than 10 periods of [periods] trace, 20 s each"),
-    (["start=3"], "[start] must be a table, got 3"),
-    (["adhesion.minimum=0.5"], "[adhesion] minimum 0.5 is above maximum 0.13."),
-    (["adhesion.period=3 m"], "[adhesion] period is '3 m', but 'm' cannot be converted to 's'"),
-    (
-        ["sensors.kind=service", "sensors.speed.principle=doppler"],
-        "[sensors.speed] has no key 'principle'; it has ",
-    ),
-    (["adhesion.ramp=0 s"], "[adhesion] ramp must be above 0 s, got 0."),
-    (["adhesion.low=30 s"], "[adhesion] low and two ramps take 32 s, longer than period 8."),
-    (["adhesion.polach=wett"], "[adhesion] polach is 'wett', which is not a Polach set; there are dry, "),
-    (["adhesion.conditioning.by=axle"], "[adhesion.conditioning] by is 'axle'; there is 'group' or 'wheelset'"),
-    (
-        ["adhesion.calibrated.DRY=2"],
-        "[adhesion] calibrated has a factor for 'DRY'; there is dry",
-    ),
-    (["adhesion.calibrated.mine=2"], "[adhesion] calibrated has a factor for 'mine'; there is dry, "),
-    (["seed=-1"], "seed is -1; input should be greater than or equal to 0"),
-    (["name='a/b'"], "name is 'a/b'; string should match pattern"),
-    (["controller.kind=abc"], "[controller] kind is 'abc'; there is adhesion_based, adhesion_literal"),
-    (
-        ["controller.kind=slip_two_state", "controller.tuning=best"],
-        "[controller] tuning is 'best'; slip_two_state has paper, ",
-    ),
-    ([SERVICE, "sensors.speed.scale_offset=1.5"], "[sensors.speed] scale_offset must be at most 0.5"),
-    (["vehicle.plant=mine.fmu"], "[vehicle] plant names 'mine.fmu', but there is no file"),
-    (["vehicle.plant=a plant"], "[vehicle] plant is 'a plant', which is neither the name of an FMU recipe nor"),
-    (["vehicle.parameters.x=[1, 'a']"], "[vehicle.parameters] x[2] is 'a', which is not a number with a unit"),
-    (["vehicle.map.mu0=3"], "[vehicle.map] mu0 is 3, expected is the name of an FMU variable"),
-    (["vehicle.formation.wheelset_load=['12 t']"], "[vehicle.formation.wheelset_load] 0 is '12 t', but 't' cannot be"),
-    ([SERVICE], "[sensors] has no 'wheel'; it is required"),
-    (["track.gradient=[{begin=0, slop=0}]"], "[track.gradient[1]] has no key 'slop'; did you mean 'slope'?"),
-    (["track.force=2 MN"], "[track] force must be at most 1e+06 N, got '2 MN'."),
-    (
-        ["track.curve=[{begin=0, radius=1e-9}]"],
-        "[track.curve[1]] radius must be 0, for straight track, or at least 10 m, got",
-    ),
-    (
-        ["limits.horizon=40 s", "periods.communication=100 s"],
-        "[periods] communication must be at most 60 s, got '100 s'",
-    ),
-    (["limits.stop_speed=54 km/h"], "[limits] stop_speed must be at most 2 m/s, got '54 km/h'; a train that"),
-    (
-        ["limits.stop_speed=1.2", "start.speed=1 m/s"],
-        "[limits] stop_speed 1.2 m/s is not below [start] speed 1 m/s; ",
-    ),
-    (
-        ["periods.communication=50 ms", "controller.kind=slip_two_state"],
-        "[periods] communication must be at most 0.01 s with a built-in plant under [controller] kind "
-        "'slip_two_state', got 0.05 s: command and friction are constant during a step",
-    ),
-    (
-        ["periods.communication=51 ms", "controller.kind=full_brake", "estimator.kind=none"],
-        "[periods] communication must be at most 0.05 s with a built-in plant under [controller] kind 'full_brake'",
-    ),
-]
-
-
-@pytest.mark.parametrize(("overrides", "sentence"), REFUSALS, ids=[" ".join(case[0]) for case in REFUSALS])
-def test_a_wrong_scenario_is_refused_in_a_sentence_with_file_table_and_key(overrides, sentence):
-    with pytest.raises(ScenarioError, match=rf"(?m)^{re.escape(f'trapezoid.toml: {sentence}')}"):
-        load(TRAPEZOID, overrides)
 
 
 def test_a_missing_copy_of_a_recipe_is_refused_with_the_command_that_creates_it(tmp_path, monkeypatch):

@@ -1,6 +1,5 @@
 """Values that both scenario and plant contain: they default to the plant's, and a contradiction is refused."""
 
-import re
 from pathlib import Path
 
 import pytest
@@ -43,36 +42,9 @@ def test_a_gradient_acts_on_the_mass_of_the_vehicle(overrides, mass):
     assert one.track_force.at(10.0) == pytest.approx(mass * GRAVITY * 0.02 / (1 + 0.02**2) ** 0.5)
 
 
-@pytest.mark.parametrize("wrong", ["84", "840 t", "66 t", "102 t"])
-@pytest.mark.parametrize("vehicle_tables", [(), (CLASS_OF_PYTHON.replace("60 kN", "412 kN"),)])
-def test_a_mass_of_the_track_unlike_that_of_the_vehicle_is_refused(wrong, vehicle_tables):
-    with pytest.raises(ScenarioError, match=r"plain: \[track\] train_mass is .* kg, but .* they may differ by 20 %"):
-        _ = vehicle(DOWNHILL, *vehicle_tables, f"track.train_mass={wrong}").track_force
-
-
-@pytest.mark.parametrize("change", [DOWNHILL, "truth.gradient=0.01"])
-def test_a_gradient_with_a_plant_of_unknown_mass_is_refused(change):
-    unknown = CLASS_OF_PYTHON.replace("wheelset_load=['60 kN', '60 kN'], ", "")
-    with pytest.raises(ScenarioError, match=r"write \[vehicle.formation\] wheelset_load or \[track\] train_mass"):
-        _ = vehicle(change, unknown).track_force
-
-
 @pytest.mark.parametrize("file", sorted(Path(LIBRARY).glob("*.toml")), ids=lambda file: file.stem)
 def test_the_library_takes_the_mass_from_the_plant(file):
     assert "train_mass" not in file.read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("entry", "sentence"),
-    [
-        ("m=84", "m is 84 kg, but the vehicle has 84000"),  # meant as tonnes
-        ("r_wheel=38", "r_wheel[1] is 38 m, but the vehicle has 0.38"),  # meant as centimetres
-        ('"p_max[2]"=3.4', "p_max[2] is 3.4 Pa, but the vehicle has 200000"),  # meant as bar
-    ],
-)
-def test_nominal_data_ten_times_those_of_the_vehicle_are_refused(entry, sentence):
-    with pytest.raises(ScenarioError, match=re.escape(f"plain: [controller.parameters] {sentence}")):
-        _ = vehicle(f"controller.parameters.{entry}").nominal
 
 
 def test_track_brakes_are_those_of_the_train_file():

@@ -200,26 +200,6 @@ def test_an_inconsistent_formation_is_refused_with_its_key(foreign, override, se
         run_stop(load(foreign, [f"vehicle.formation.{override}"]))
 
 
-@pytest.mark.parametrize(
-    ("override", "sentence"),
-    [
-        ("vehicle.plant=Wagon", "model 'TrainPrediction' is for 4 groups, the vehicle has 2"),
-        ("vehicle.parameters.wheelsets_per_group=[3, 1, 1, 1]", r"wheelsets_per_group\[1\] says how TwoPartTrain"),
-        ("vehicle.parameters.wheelset_position=[0, 1, 2]", r"wheelset_position\[1\] says how TwoPartTrain.fmu is made"),
-        ("vehicle.formation.wheelsets_per_group=[3, 3]", r"wheelsets_per_group is \[3, 3\], TwoPartTrain.fmu has"),
-        ("vehicle.formation.wheelset_position=[0, 1, 2, 3, 4, 5]", r"wheelset_position .*TwoPartTrain.fmu has \[0.0"),
-        ("vehicle.formation.wheelset_load=[1e5, 1e5, 1e5, 1e5, 1e5, 1e5]", r"m_wheelset\[1\] = 10193.7, TwoPartTrain"),
-        ("vehicle.formation.brakes.p_max='9 bar'", r"p_max\[1\] says .* 900000, TwoPartTrain.fmu has 340000; leave it"),
-        ("estimator={kind='decentralised', model='TrainPrediction', noise='ideal'}", "leave out model"),
-        ("estimator={kind='decentralised', noise='quiet'}", "has no noise set 'quiet'"),
-        ("estimator={kind='decentralised', noise='ideal', parameters={J='2 kg'}}", "estimator.parameters"),
-    ],
-)
-def test_a_scenario_that_contradicts_its_plant_or_prediction_is_refused(override, sentence):
-    with pytest.raises(ScenarioError, match=sentence):
-        run_stop(load(LIBRARY / "trapezoid.toml", [override]))
-
-
 def test_a_library_of_predictions_requires_the_name_of_one():
     table = load(LIBRARY / "plain.toml").resolved()
     table["estimator"] = {"kind": "fmu", "library": TROLLEY_CLASS, "noise": "ideal"}

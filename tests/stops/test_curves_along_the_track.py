@@ -7,7 +7,7 @@ import pytest
 from python_parts import same_stop
 from small_train import one_bogie
 
-from railgrip.base.errors import RailgripError, ScenarioError
+from railgrip.base.errors import RailgripError
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import run_stop
@@ -127,19 +127,6 @@ def test_an_onboard_unknown_error_of_the_creep_curve_scales_all_curves():
     assert vehicle.curves.tolist() == [[0.5, 0.4, 0.4, 0.6], [0.02, 0.015, 0.5, 0.1]]
     trace = run_stop(scenario(*WITHOUT, PATCH, "truth.creep={k_A=0.5}", "limits.horizon=3 s")).trace
     assert set(np.unique(trace["curve_k_A"].values)) == {0.5, 0.02}
-
-
-@pytest.mark.parametrize(
-    ("overrides", "sentence"),
-    [
-        (("adhesion.polach_of_wheelset=['dry', 'dry']",), r"polach_of_wheelset is for 2 wheelsets, the vehicle has 6"),
-        ((PATCH, "vehicle.parameters={k_A=0.5}"), r"\[vehicle.parameters\] k_A is for one creep curve.*leave it out"),
-        ((PATCH.replace("leaf", "leafs"),), "polach is 'leafs', which is not a Polach set"),
-    ],
-)
-def test_curves_that_contradict_the_scenario_are_refused(overrides, sentence):
-    with pytest.raises(ScenarioError, match=sentence):
-        run_stop(scenario(*overrides))
 
 
 def test_a_plant_without_such_inputs_is_refused():

@@ -126,10 +126,3 @@ def test_a_prediction_that_cannot_save_its_state_is_refused(tmp_path: Path):
     file = own(tmp_path, ('canGetAndSetFMUstate="true"', ""))
     with pytest.raises(FmuError, match="begins every step in a saved state, and this FMU has no canGetAndSetFMUstate"):
         run_stop(scenario_with(file, STEPPED))
-
-
-def test_only_a_prediction_fmu_has_an_interface():
-    with pytest.raises(
-        ScenarioError, match="interface 'co_simulation' with kind 'compiled'; set kind = 'fmu', or leave"
-    ):
-        load(Path("trapezoid"), ["estimator.kind=compiled", STEPPED])
