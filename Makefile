@@ -130,7 +130,7 @@ regress-long: $(READY)  ## the same for a train whose FMU takes minutes to build
 	$(PROGRAM) maintain regress --baselines $(BASELINES) --out build/regress-long
 
 mutants: $(DEV) fmus  ## count the small defects that the regression notices, docs/regression.md (half an hour)
-	$(RUN) tests/mutants.py --first --write $(OPTIONS)
+	$(RUN) tools/mutants.py --first --write $(OPTIONS)
 
 accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
 	$(PROGRAM) maintain accept --baselines $(BASELINES) --reason '$(REASON)'
@@ -190,7 +190,7 @@ fuzz: $(DEV)  ## wrong questions by the thousand, and all cases of which the tes
 
 suites: $(DEV)  ## run a copy of a Modelica test suite: make suites SUITE=/path KIND=compliance|omc|reference [OPTIONS=…]
 	@test -n "$(SUITE)" || { echo "suites needs SUITE=/path of a copy of the suite, and KIND=compliance, omc or reference"; exit 2; }
-	$(RUN) tests/suites.py $(KIND) $(SUITE) $(OPTIONS)
+	$(RUN) tools/suites.py $(KIND) $(SUITE) $(OPTIONS)
 
 TYPED := build/typed/railgrip
 

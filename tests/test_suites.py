@@ -1,4 +1,4 @@
-"""The runner of other people's suites, tests/suites.py, gives small suites the verdicts that they deserve."""
+"""The runner of other people's suites, tools/suites.py, gives small suites the verdicts that they deserve."""
 
 import csv
 import math

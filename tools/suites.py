@@ -44,6 +44,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import fmpy
+import fmpy.fmi1
 import fmpy.fmi2
 import numpy as np
 
@@ -131,6 +132,7 @@ def simulate(case: SuiteCase, fmu: Path) -> Verdict:
     folder = fmpy.extract(str(fmu))
     known = {variable.name: variable for variable in description.modelVariables}
     missing = [name for name in case.expected if name not in known]
+    assert description.coSimulation is not None, "`build` makes FMUs for co-simulation"
     instance = fmpy.fmi2.FMU2Slave(
         guid=description.guid,
         unzipDirectory=folder,
@@ -251,6 +253,7 @@ def judge_apart(case: SuiteCase, seconds: float) -> Verdict:
 
         process = context.Process(target=child)
         process.start()
+        assert process.pid is not None, "it has started"
         sender.close()
         outcome = None
         with contextlib.suppress(EOFError):

@@ -1,6 +1,6 @@
 """Count the small defects that the accepted numbers of table 1 notice: one change at a time, then its regression.
 
-    python tests/mutants.py --stops 'sine_sweep-*'
+    python tools/mutants.py --stops 'sine_sweep-*'
 
 Each mutant is a row of data: a file, its old text, the new text, and the meaning. It changes a copy of the sources in
 build/mutants, never the sources. A constant of the plant is changed as a parameter in the files of equipment: the same
