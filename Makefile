@@ -21,7 +21,7 @@ DEV    := $(VENV)/.ready-dev
 EXTRA   = $(shell for name in $$CC cc gcc clang; do command -v "$$name" >/dev/null 2>&1 && exit; done; echo '[compiler]')
 
 .PHONY: help install fmus simulate searched shapes unseen adverse report conditioning conditioning-omc discretisation convergence headlines validation regress regress-long accept calibrate \
-        tune-control type-test bench mutants test suite kept portable test-omc regress-omc suites fuzz check estimate tune lateral learn monitor k-factors trains docs clean
+        tune-control type-test bench mutants test test-all suite floors kept portable test-omc regress-omc suites fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -151,15 +151,23 @@ bench: fmus  ## speed, as medians and ratios in one run
 	$(PROGRAM) study bench $(OPTIONS)
 
 # The tests fill two cores, but for their end; types and distances, in one process each, fill what is left of them.
-test: $(DEV)  ## lint, types, tests, and distances and figures against the accepted ones; prints its processor time
+test: $(DEV)  ## lint, types, the tests that decide, and distances and figures against the accepted ones; prints its processor time
 	@$(RUN) tests/processor_time.py $(MAKE) --no-print-directory --jobs 2 suite kept
 
 kept: check fmus
 	$(PROGRAM) maintain regress --workers 1 --baselines $(BASELINES)
 
 # A file stays in one process: its tests share what they have built and run. tests/conftest.py has the longest first.
+XDIST := --numprocesses 2 --dist loadfile --no-loadscope-reorder
+
 suite: $(DEV) fmus
-	$(RUN) -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder $(TESTS)
+	$(RUN) -m pytest $(XDIST) $(if $(TESTS),,--floor deciding) $(TESTS)
+
+test-all: $(DEV) fmus  ## the tests that `make test` leaves out, since others run the same lines and branches
+	@$(RUN) tests/processor_time.py $(RUN) -m pytest $(XDIST) --floor rest $(TESTS)
+
+floors: $(DEV)  ## measure what each test runs, and choose those that decide, tests/left_out.toml (an hour)
+	$(RUN) tools/floors.py $(OPTIONS) $(TESTS)
 
 PORTABLE := tests/test_portability.py tests/test_containers.py tests/test_units.py tests/scenario tests/docs/test_code_blocks.py \
             tests/estimate/test_text_formats.py tests/estimate/test_inspection.py tests/estimate/test_specification.py \

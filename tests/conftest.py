@@ -4,9 +4,11 @@ import gc
 import json
 import os
 import random
+import re
 import signal
 import sys
 import tempfile
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -38,11 +40,39 @@ LONGEST = {
 """Files whose tests take fifteen seconds or longer."""
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Start with the longest files: a long file at the end would leave the other process idle.
+LEFT_OUT = tomllib.loads(Path(__file__).with_name("left_out.toml").read_text(encoding="utf-8"))
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Select one of the two floors of tests that tools/floors.py has chosen."""
+    parser.addoption(
+        "--floor", choices=["deciding", "rest"], help="only tests not in left_out.toml, or only the others"
+    )
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out files none of whose tests decides, whose imports take longer than some tests."""
+    names = LEFT_OUT.get(collection_path.relative_to(config.rootpath).as_posix())
+    if config.getoption("floor") != "deciding" or not names:
+        return None
+    return (
+        set(re.findall(r"^def (test_\w+)", collection_path.read_text(encoding="utf-8"), re.MULTILINE)) <= {*names}
+        or None
+    )
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Select the floor, and start with the longest files: at the end one would leave the other process idle.
 
     With RAILGRIP_ORDER, any number, the order of files and of the tests in each is random: none may depend on another.
     """
+    if floor := config.getoption("floor"):
+        of = {True: [], False: []}
+        for item in items:
+            file, _, test = item.nodeid.partition("::")
+            of[bool({test, test.partition("[")[0]} & {*LEFT_OUT.get(file, ())})].append(item)
+        items[:] = of[floor == "rest"]
+        config.hook.pytest_deselected(items=of[floor != "rest"])
     if number := os.environ.get("RAILGRIP_ORDER"):
         draw = random.Random(number)
         of_file = {path: draw.random() for path in sorted({item.path for item in items})}

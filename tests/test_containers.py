@@ -76,7 +76,7 @@ def test_ci_compares_with_openmodelica_as_before_every_landing():
     job = "\n".join(step["run"] for step in jobs["openmodelica"]["steps"] if "run" in step)
     script = (ROOT / ".ci/run").read_text(encoding="utf-8")
     made, made_by_script = (re.findall(r"^make ([a-z-]+)$", text, re.MULTILINE) for text in (job, script))
-    assert ["test", *made] == made_by_script
+    assert ["test", "test-all", *made] == made_by_script
     for text in (job, script, " ".join(word for words in instructions() for word in words)):
         joined = text.replace("\\\n", " ")
         assert all(re.search(rf"install .*\b{program}\b", joined) for program in ("cmake", "make", "zip", "gcc|clang"))
@@ -89,11 +89,11 @@ PROGRAMS = {"omc", "gcc", "cmake", "zip"}
 @pytest.mark.parametrize(
     ("place", "missing", "installs", "calls"),
     [
-        (None, {"omc"}, True, ["make test"]),
-        ("bin", set(), True, ["make test", "make regress-omc", "make test-omc"]),
-        ("shared/omc/bin", set(), True, ["make test", "make regress-omc", "make test-omc"]),
-        ("bin", {"zip", "cmake"}, True, ["make test", "apt-get", "make regress-omc", "make test-omc"]),
-        ("bin", {"zip"}, False, ["make test", "apt-get"]),
+        (None, {"omc"}, True, ["make test", "make test-all"]),
+        ("bin", set(), True, ["make test", "make test-all", "make regress-omc", "make test-omc"]),
+        ("shared/omc/bin", set(), True, ["make test", "make test-all", "make regress-omc", "make test-omc"]),
+        ("bin", {"zip", "cmake"}, True, ["make test", "make test-all", "apt-get", "make regress-omc", "make test-omc"]),
+        ("bin", {"zip"}, False, ["make test", "make test-all", "apt-get"]),
     ],
     ids=["no omc", "on the path", "next to the clone", "packages are missing", "packages cannot be installed"],
 )

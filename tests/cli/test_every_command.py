@@ -141,6 +141,8 @@ MAKE = {
     f"estimate OPTIONS='--quick {OF_STUDIES} out/estimate_studies'": "build/estimate/wagon-relaxing/index.html",
     "mutants OPTIONS='--stops trapezoid-ideal-slip_two_state --only A_piston --workers 1'": "1 of 1 mutants were noticed",
     "test TESTS=tests/test_units.py TYPES=harness/base/units.py BASELINES=small": "processor time: ",
+    "test-all TESTS=tests/scenario/test_quantities.py": "processor time: ",
+    "floors TESTS=tests/test_units.py OPTIONS='--out out/left_out.toml'": "out/left_out.toml",
     "portable TESTS=tests/test_units.py": "build/portable/stop.json",
     "fuzz TESTS=tests/test_units.py": " passed",
     "conditioning-omc OPTIONS='--workers 1'": "conditioning-omc needs OpenModelica's omc on the PATH",
@@ -154,7 +156,7 @@ MAKE = {
 MINUTES = {
     "study benefit vt642 --quick", "study type_test --quick --controller slip_two_state",
     "tune", "type-test", "trains", "bench", "lateral", "learn", "monitor", "k-factors", "estimate", "mutants", "test",
-    "portable",
+    "floors", "portable",
 }  # fmt: skip
 """Rows and targets that take half a minute or more in their smallest form, which `make fuzz` runs."""
 
