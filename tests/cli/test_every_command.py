@@ -139,7 +139,8 @@ MAKE = {
     "k-factors OPTIONS='--set estimate.samples=20 --set estimate.runs=2 --set loop.samples=20 --set loop.runs=2"
     f" --import-from . --write {OF_STUDIES} out/k_factors'": "out/k_factors/k_factors.json",
     f"estimate OPTIONS='--quick {OF_STUDIES} out/estimate_studies'": "build/estimate/wagon-relaxing/index.html",
-    "mutants OPTIONS='--stops trapezoid-ideal-slip_two_state --only A_piston --workers 1'": "1 of 1 mutants were noticed",
+    "mutants OPTIONS='--stops trapezoid-ideal-slip_two_state --only A_piston --workers 1'":
+        "1 of 1 mutants were noticed",
     "test TESTS=tests/test_units.py TYPES=harness/base/units.py BASELINES=small": "processor time: ",
     "test-all TESTS=tests/scenario/test_quantities.py": "processor time: ",
     "floors TESTS=tests/test_units.py OPTIONS='--out out/left_out.toml'": "out/left_out.toml",
