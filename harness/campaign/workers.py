@@ -284,6 +284,8 @@ def _start_worker() -> None:
 
     def wait() -> None:
         parent.join()
+        # Nobody reads the tracebacks of a queue that has lost its other end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
         for _ in range(_TRIES if os.name == "posix" else 0):
             # The pool would treat the exception as a failed task, and take the next one from its queue.
             os.kill(os.getpid(), signal.SIGUSR1)

@@ -29,23 +29,26 @@ def work(place):
 if __name__ == "__main__":
     with workers(2) as pool:
         print(*set(pool.map(number, range(8))), flush=True)
-        list(pool.map(work, ["kept"] * 8))
+        list(pool.map(work, ["kept"] * TASKS))
+        time.sleep(600)
 """
 
 
 @pytest.mark.skipif(not Path("/proc").exists(), reason="looks processes up in /proc")
-def test_workers_end_when_their_parent_is_killed(program, tmp_path):
-    """They also remove the files that they unpacked."""
-    (tmp_path / "program.py").write_text(PROGRAM, encoding="utf-8")
+@pytest.mark.parametrize("tasks", [8, 0])
+def test_workers_end_when_their_parent_is_killed(program, tmp_path, tasks):
+    """They also remove the files that they unpacked, and print no tracebacks."""
+    (tmp_path / "program.py").write_text(PROGRAM.replace("TASKS", str(tasks)), encoding="utf-8")
     folder = tmp_path / "kept"
     folder.mkdir()
     parent = program(tmp_path, "program.py")
     children = [int(process) for process in parent.stdout.readline().split()]
     assert children
     assert all(map(is_running, children))
-    until(lambda: len(list(folder.iterdir())) == 2)
+    until(lambda: len(list(folder.iterdir())) == min(tasks, 2))
     parent.kill()
-    parent.communicate(timeout=LONGEST)
+    _, err = parent.communicate(timeout=LONGEST)  # until the last worker has closed it
+    assert "Traceback" not in err
     until(lambda: not any(map(is_running, children)) and list(folder.iterdir()) == [])
 
 

@@ -266,12 +266,17 @@ def test_a_small_run_writes_page_tables_and_json(tmp_path):
         ({"estimator": ["fmu"], "write": True}, "--write"),
         ({"estimator": ["none.py:Drag"]}, "there is no file"),
         ({"estimator": ["a.txt:Drag"]}, "FILE.py:CLASS"),
+        ({"estimator": ["json.py:Drag"]}, "another module named json is loaded already"),
+        ({"estimator": ["lame.py:Drag"]}, "step"),
         ({"train": "tram", "write": True}, "--write and --tune are for the two-part train"),
         ({"train": "tram", "estimator": ["loaded"]}, "--estimator loaded: is unknown"),
         ({"train": "trm"}, "did you mean tram"),
     ],
 )
-def test_an_unknown_estimator_or_train_is_refused(options, sentence, tmp_path):
+def test_an_unknown_estimator_or_train_is_refused_before_any_work(options, sentence, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "json.py").write_text(OWN, encoding="utf-8")
+    (tmp_path / "lame.py").write_text("class Drag:\n    def start(self, first, formation): ...\n", encoding="utf-8")
     with work("estimators", tmp_path) as job, pytest.raises(InputError, match=sentence):
         Estimators(**options).page(job)
 

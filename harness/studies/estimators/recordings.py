@@ -25,7 +25,7 @@ from railgrip.scenario.file import NamedFile, locate, merge
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Custom
-from railgrip.simulate.user_parts import CustomParts, Estimate, Estimator, part_of
+from railgrip.simulate.user_parts import CustomParts, Estimate, Estimator, class_of, part_of
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.type_test.design import Case, cases, ranks
 from railgrip.studies.type_test.track_case import TrackCase, track_cases
@@ -247,12 +247,23 @@ def name_of(estimator: str) -> str:
 
 
 def require_file(estimator: str) -> None:
-    """Raise `InputError` unless the file of a user's estimator exists and has a suffix of its kind."""
+    """Raise `InputError` unless the file of a user's estimator exists and has a suffix of its kind.
+
+    Raises:
+        ScenarioError: The class cannot be imported, or lacks methods.
+    """
     file = Path(estimator.rpartition(":")[0] or estimator)
     if is_class(estimator) and file.suffix != ".py":
         raise InputError(f"--estimator {estimator}: expected FILE.py:CLASS, the file of a class in Python.")
     if not file.is_file():
         raise InputError(f"--estimator {estimator}: there is no file {file}.")
+    if is_class(estimator):
+        class_of(_table_of(estimator), "estimators", (file.resolve().parent,))
+
+
+def _table_of(estimator: str) -> Custom:
+    file, _, name = estimator.rpartition(":")
+    return Custom(kind=f"{Path(file).stem}:{name}")
 
 
 def require_one_of_each_name(estimators: Iterable[str]) -> None:
@@ -287,8 +298,8 @@ def trace_with_class(case: RecordingCase, estimator: str) -> xarray.Dataset:
     Raises:
         ScenarioError: The class cannot be imported, or the estimator fails.
     """
-    file = Path(estimator.rpartition(":")[0]).resolve()
-    own = _WithoutSpeeds(part_of(Custom(kind=f"{file.stem}:{name_of(estimator)}"), "estimators", (file.parent,)))
+    folder = Path(estimator.rpartition(":")[0]).resolve().parent
+    own = _WithoutSpeeds(part_of(_table_of(estimator), "estimators", (folder,)))
     recording = stop_read(scenario_of_case(case), case.stop.name, objects=CustomParts(estimator=own))
     for name, values in own.kept.items():
         if values:

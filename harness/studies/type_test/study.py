@@ -25,8 +25,9 @@ from railgrip.report.results import read_results
 from railgrip.report.statistics import endless
 from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.schema import Scenario
+from railgrip.scenario.table import Custom
 from railgrip.simulate.run import run_stop
-from railgrip.simulate.user_parts import CustomParts
+from railgrip.simulate.user_parts import CustomParts, class_of
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.case_set import (
     SEALED,
@@ -123,6 +124,9 @@ class TypeTest(Study, quick="2 cases", sizes={"count": 2}, whole=("case",)):
                 f"--against {self.against}: is not one of {', '.join(taking_part)}"
                 + did_you_mean(self.against, taking_part, before="; ")
             )
+        for kind in (str(one.tables["controller"]["kind"]) for one in candidates.values()):
+            if ":" in kind:
+                class_of(Custom(kind=kind), "controllers", self.import_from or ())
         digests = {name: controller_digest(one, self.import_from or ()) for name, one in candidates.items()}
         design = self._design(digests)
         named = candidates if self.controller is not None else {}
