@@ -90,45 +90,30 @@ def test_two_plants_share_nothing(foundry: Path):
 # --- failures --------------------------------------------------------------------------------------------------
 
 
-def test_fmi2_error_ends_the_stop_with_the_fmus_message(foundry: Path, protests: Path):
-    failure = failing(tiny(foundry, "ERROR_STATUS"))
-    assert failure.failure.reason == "error"
-    assert failure.failure.time == pytest.approx(0.003)
-    assert str(failure) == (
-        "error_status.fmu: at 0.003 s fmi2DoStep returned fmi2Error; it says: error: the wheel came off at 0.003."
-    )
-    # Freed, and not terminated: after fmi2Error only freeing is allowed.
-    assert protests.read_text() == "freed\n"
+FREED = "freed\n"
+"""After an error an FMU is freed without being terminated; after fmi2Fatal nothing is called."""
 
 
 @pytest.mark.parametrize(
-    ("misbehaviour", "sentence"),
+    ("misbehaviour", "sentence", "facts", "called"),
     [
-        ("ENDS", "at 0.003 s the FMU requested the end of the simulation"),
-        ("PENDING", "asynchronous FMUs are not supported"),
-        # Not merely a warning.
-        ("NO_STATUS", "no_status.fmu: at 0.003 s fmi2DoStep returned a number that is no fmi2Status (-5)."),
-        ("NAN_OUTPUT", "nan_output.fmu: at 0.004 s output 'y' is not a finite number (nan)."),
+        ("ERROR_STATUS", ".fmu: at 0.003 s fmi2DoStep returned fmi2Error; it says: error: the wheel came off at 0.003.",
+         {"reason": "error", "time": 0.003}, FREED),
+        ("ENDS", "at 0.003 s the FMU requested the end of the simulation", {}, None),
+        ("PENDING", "asynchronous FMUs are not supported", {}, None),
+        ("NO_STATUS", "no_status.fmu: at 0.003 s fmi2DoStep returned a number that is no fmi2Status (-5).", {}, FREED),
+        ("NAN_OUTPUT", "nan_output.fmu: at 0.004 s output 'y' is not a finite number (nan).", {"variable": "y"}, None),
+        ("DISCARD", "fmi2Discard", {"reason": "discard", "call": "fmi2DoStep", "reached": 0.0035}, None),
+        ("FATAL", "fmi2Fatal", {"reason": "fatal"}, ""),
+        ("BAD_INITIALISATION", "the rate does not suit it: 2", {"call": "fmi2ExitInitializationMode"}, None),
     ],
-)
-def test_a_failed_step_is_reported_with_time_and_reason(
-    foundry: Path, protests: Path, misbehaviour: str, sentence: str
-):
+)  # fmt: skip
+def test_a_failure_has_time_and_reason(foundry: Path, protests: Path, misbehaviour, sentence, facts, called):
     failure = failing(tiny(foundry, misbehaviour))
     assert sentence in str(failure)
-    assert failure.failure.variable == ("y" if misbehaviour == "NAN_OUTPUT" else "")
-    assert misbehaviour != "NO_STATUS" or protests.read_text() == "freed\n", "after an error only freeing is legal"
-
-
-def test_a_discarded_step_reports_how_far_it_came(foundry: Path):
-    failure = failing(tiny(foundry, "DISCARD")).failure
-    assert (failure.reason, failure.call) == ("discard", "fmi2DoStep")
-    assert failure.reached == pytest.approx(0.0035)
-
-
-def test_after_fmi2_fatal_nothing_is_called(foundry: Path, protests: Path):
-    assert failing(tiny(foundry, "FATAL")).failure.reason == "fatal"
-    assert protests.read_text() == ""
+    for name, value in ({"variable": ""} | facts).items():
+        assert getattr(failure.failure, name) == (value if isinstance(value, str) else pytest.approx(value))
+    assert called is None or protests.read_text() == called
 
 
 def test_an_invalid_status_ends_a_sequence_of_steps(foundry: Path):
@@ -157,12 +142,6 @@ def test_an_infinite_output_is_a_failure_and_a_large_one_is_not(foundry: Path):
 def test_a_refused_start_is_reported_with_its_reason(foundry: Path, misbehaviour: str, guid: str, sentence: str):
     with pytest.raises(PlantFailed, match=sentence):
         opened(tiny(foundry, misbehaviour, description=xml().replace(GUID, guid))).__enter__()
-
-
-def test_a_failed_initialisation_is_reported(foundry: Path):
-    failure = failing(tiny(foundry, "BAD_INITIALISATION"))
-    assert failure.failure.call == "fmi2ExitInitializationMode"
-    assert "the rate does not suit it: 2" in str(failure)
 
 
 def test_a_failed_plant_repeats_its_failure_instead_of_running(foundry: Path):

@@ -91,12 +91,6 @@ def test_the_figure_of_a_sweep_has_the_distances():
     assert [tick.get_text() for tick in panel.get_xticklabels()] == ["10", "20", "30"]
 
 
-def test_the_figure_of_a_stop_has_a_column_for_each_group_and_its_speed():
-    own = stop()
-    panel = own.plot().axes[0]
-    assert panel.get_lines()[0].get_ydata()[0] == pytest.approx(80.0)
-
-
 def test_nothing_is_drawn_unless_requested():
     program = (
         "import sys; sys.path.insert(0, 'tests/report'); sys.path.insert(0, 'tests')\n"

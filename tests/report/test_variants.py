@@ -10,7 +10,7 @@ from command_line import exit_code
 
 from railgrip.base.errors import InputError
 from railgrip.report.distances import headline
-from railgrip.report.distribution import ReferenceVariant, change_table, changes_against
+from railgrip.report.distribution import ReferenceVariant, changes_against
 from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.limits import limits_of
@@ -70,13 +70,6 @@ def test_a_pair_differs_only_in_the_variant(campaign):
         assert change.paired.change == pytest.approx(-0.045)
         # Order statistics of eight: the smallest and the largest miss the median with 2 × 2^-8 = 0.8 %.
         assert change.paired.change_interval == pytest.approx((-0.08, -0.01))
-
-
-def test_pairs_without_draws_are_collected_over_seeds(campaign):
-    results = with_distances(read_results(campaign(SEEDS)), lambda seed: 0.1)
-    reference, changes = changes_of(results, "sand=none")
-    assert [change.paired.draws for change in changes] == [3, 3]
-    assert change_table(reference, changes).texts[0]["change vs none"] == "−10.0 %"  # three pairs have no interval
 
 
 def test_any_variant_may_be_the_reference(campaign):
