@@ -87,40 +87,6 @@ def test_a_drawn_scenario_equals_the_file_with_that_seed(project):
     assert drawn.scenario.digest() == written.scenario.digest()
 
 
-def expected(match, outcome="horizon"):
-    return f'[axes.e.a]\n[draws]\nfirst = 1\nlast = 2\n[[expected]]\nmatch = {match}\noutcome = "{outcome}"\n'
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("[axes.equipment.a]\nstart.sped = 3\n", "campaign.toml, stop wet-a (wet.toml): [start] has no key 'sped'"),
-        ('[axes.e]\na = "gone.toml"\n', "campaign.toml: [axes.e] a names 'gone.toml', but there is no file"),
-        ("[axes.equipment]\na = 3\n", "campaign.toml: [axes.equipment.a] must be a table, got 3"),
-        ("[axes.scenario.a]\n", "campaign.toml: [axes] cannot be named 'scenario'"),
-        ('[axes.e.a]\n[[exclude]]\nf = "a"\n', "campaign.toml: [exclude] names the axis 'f'; there is e"),
-        ('[axes.e.a]\n[[exclude]]\ne = "b"\n', "campaign.toml: [exclude] names 'b' of axis 'e'; it has a"),
-        ('[axes.e.a]\n[[exclude]]\ne = "a"\n', "campaign.toml: [[exclude]] matches every combination"),
-        ('[axes.e."a b"]\n[axes.e."a+b"]\n', "campaign.toml: two stops are named 'wet-a_b'"),
-        ("[axes.e.a]\n[axes.e.A]\n", "campaign.toml: two stops are named 'wet-a'"),
-        ('[sweep]\nseed = [1, "1"]\n', "campaign.toml: [sweep] seed has a value twice"),
-        ("[sweep]\nseed = []\n", "campaign.toml: [sweep] seed is []; "),
-        ("[draws]\nfirst = 3\nlast = 2\n", "campaign.toml: [draws] last is 2, before first, 3"),
-        ("[draws]\nfirst = 1\nlast = 2\nmatch = { f = 'x' }\n[axes.e.a]\n", "[draws] names the axis 'f'; there is e"),
-        ("[axes.draw.a]\n", "campaign.toml: [axes] cannot be named 'draw', [draws] is that axis"),
-        (expected('{ e = "b" }'), "campaign.toml: [expected] names 'b' of axis 'e'; it has a"),
-        (expected('{ scenario = "dry" }'), "campaign.toml: [[expected]] match {'scenario': 'dry'} is none of the"),
-        (expected('{ draw = "3" }'), "campaign.toml: [[expected]] match {'draw': '3'} is none of the stops"),
-        (expected('{ e = "a" }', "collision"), "campaign.toml: [expected[1]] outcome"),
-        ("wokers = 3\n", "campaign.toml: the top level has no key 'wokers'"),
-        ("[axes.e.a]\n" + '[[exclude]]\ne = "a"\n' * 2000, "exclude"),
-    ],
-)
-def test_a_wrong_campaign_is_refused_with_its_key(project, text, sentence):
-    with pytest.raises(ScenarioError, match=re.escape(sentence)):
-        campaign(project, text)
-
-
 def test_a_missing_scenario_of_a_campaign_is_named(project):
     (project / "wet.toml").unlink()
     with pytest.raises(ScenarioError, match=r"wet\.toml: there is no such file"):
@@ -208,3 +174,8 @@ def test_some_variants_of_a_campaign_are_selected(project, choices, names):
 def test_a_wrong_selection_is_refused_with_the_names_that_exist(project, choices, sentence):
     with pytest.raises(ScenarioError, match=re.escape(sentence)):
         selection_of(campaign(project, TWO_AXES), choices)
+
+
+def test_thousands_of_entries_that_match_are_refused_in_one_sentence(project):
+    with pytest.raises(ScenarioError, match="exclude"):
+        campaign(project, "[axes.e.a]\n" + '[[exclude]]\ne = "a"\n' * 2000)

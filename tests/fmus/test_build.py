@@ -102,22 +102,6 @@ def test_a_refused_class_leaves_no_fmu(kitchen):
     assert not (folder / "out" / "Ball.fmu").exists()
 
 
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        (("tolerance", "tolerence"), r"\[Ball\] has no key 'tolerence'; it has class, interfaces"),
-        (("1e-5", "-1e-5"), r"\[Ball\] tolerance: .*greater than 0.*got -1e-05"),
-        (('"rodas3"', '"euler"'), r"\[Ball\] solver: .*rodas3.*got 'euler'"),
-        (("[Ball]", "[Ball"), "is not TOML"),
-    ],
-)
-def test_a_wrong_recipe_ends_in_a_sentence_with_file_and_key(tmp_path, change, sentence):
-    file = _write(tmp_path / "recipes.toml", RECIPE.replace(*change))
-    with pytest.raises(InputError, match=sentence) as error:
-        read_recipes(file)
-    assert str(file) in str(error.value)
-
-
 def test_a_misspelt_name_is_answered_with_the_nearest():
     with pytest.raises(InputError, match="did you mean TwoPartTrain"):
         read_recipes()["TwoPartTran"]

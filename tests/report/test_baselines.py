@@ -146,29 +146,6 @@ def test_figures_read_back_and_are_written_as_accepted(tmp_path):
     assert read_back(after, tmp_path) == after
 
 
-BELONGS = "must have either campaign, the file of one, or study"
-VALUE = 'campaign = "c"\n[accepted.x]\nvalue = 3\nunit = "m"\n'
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("", BELONGS),
-        ('campaign = "c"\nstudy = "s"\n', BELONGS),
-        (f"{VALUE}tolerance = 0\n", r"b.toml: \[accepted.x\] tolerance is 0; input should be greater than 0"),
-        (f"{VALUE}tolerance = 0\n", r"b.toml: \[accepted.x\] has no 'reason'; it is required"),
-        (
-            f'{VALUE}tolerance = 1\nlowest = 2\nreason = "r"\n',
-            "has one end of a range; give both lowest and highest, or",
-        ),
-    ],
-)
-def test_a_wrong_baseline_file_is_refused_with_its_key(tmp_path, text, sentence):
-    (tmp_path / "b.toml").write_text(text, encoding="utf-8")
-    with pytest.raises(ScenarioError, match=sentence):
-        load_baseline(tmp_path / "b.toml")
-
-
 def test_distances_agree_across_compilers_to_half_a_percent():
     """The law as printed stopped in 324.3 m with the built-in compiler and in 279.8 m with OpenModelica, 1e-7 apart."""
     differing = metres(324.3, 0.38, compilers={"openmodelica": (279.8, 279.8)})
