@@ -1,5 +1,6 @@
 """A short scenario runs on defaults; one file extends another; equipment overrides both."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -109,49 +110,14 @@ def test_a_file_may_name_another_plant_than_its_base(tmp_path, vehicle):
     assert "mu_bearing" in scenario.vehicle.parameters
 
 
-@pytest.mark.parametrize(
-    ("files", "sentences"),
-    [
-        (
-            {"a": "extends = 'b.toml'", "b": "extends = 'a.toml'"},
-            ["b.toml: extends goes round in a circle: a.toml → b.toml → a.toml"],
-        ),
-        ({"a": "extends = 'a.toml'"}, ["a.toml: extends goes round in a circle: a.toml → a.toml"]),
-        ({"a": "extends = 'gone.toml'"}, ["a.toml: extends names 'gone.toml', but there is no file"]),
-        ({"a": "extends = 3"}, ["a.toml: extends is 3; expected is the name or the path of a scenario"]),
-        ({"a": "extends = 'trapezod'"}, ["a.toml: extends: trapezod: there is no such file", "mean trapezoid?"]),
-        ({"a": "extends = 'table1'"}, ["a.toml: extends: table1: that is a campaign"]),
-        ({"a": "extends = 'b.toml'", "b": "seed = "}, ["b.toml: is not TOML"]),
-        ({"a": "extends = 'b.toml'", "b": "scenarios = ['a.toml']"}, ["b.toml: is a file of the kind campaign"]),
-        (
-            {
-                "a": "extends = 'b.toml'\nadhesion.polach = 'dryy'\nadhesion.mo0 = 0.1",
-                "b": "extends = 'c.toml'\nstart.speed = -3\nseed = 'x'\nadhesion.kind = 'constant'",
-                "c": TEN_LINES.replace("mu0 = 0.08", "").replace("TwoPartTrain", "x.fmu"),
-            },
-            [
-                "a.toml: [adhesion] polach is 'dryy'",
-                "a.toml: [adhesion] has no key 'mo0'; did you mean 'mu0'?",
-                "b.toml: [start] speed must be at least 0 m/s, got -3.",
-                "b.toml: seed is 'x'",
-                "c.toml: [vehicle] plant names 'x.fmu', but there is no file",
-                "a.toml: [adhesion] has no 'mu0'",
-            ],
-        ),
-        (  # keys replaced by the new kind do not count
-            {
-                "a": "extends = 'b.toml'\nadhesion.kind = 'constant'\nadhesion.polach = 'dry'",
-                "b": TEN_LINES.replace("constant", "random"),
-            },
-            ["a.toml: [adhesion] has no 'mu0'"],
-        ),
-    ],
-    ids=str,
-)  # fmt: skip
-def test_the_message_names_the_file_that_contains_the_key(tmp_path, files, sentences):
+WRONG = tomllib.loads(Path(__file__).with_name("wrong_bases.toml").read_text(encoding="utf-8"))["case"]
+
+
+@pytest.mark.parametrize("case", WRONG, ids=lambda case: case["sentences"][0])
+def test_the_message_names_the_file_that_contains_the_key(tmp_path, case):
     with pytest.raises(ScenarioError) as refusal:
-        load(written(tmp_path, **files))
-    for sentence in sentences:
+        load(written(tmp_path, **case["files"]))
+    for sentence in case["sentences"]:
         assert sentence in str(refusal.value)
 
 
