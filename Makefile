@@ -239,6 +239,7 @@ k-factors: fmus  ## K_dry_rst of ETCS for EBCL 0 to 9, and stops with the contro
 
 # Both notices concern later releases of the tools, whose bounds are in pyproject.toml.
 docs: $(DEV)  ## the documentation as a site, build/site/index.html
+	$(RUN) tools pages
 	NO_MKDOCS_2_WARNING=1 DISABLE_MKDOCS_2_WARNING=true $(RUN) -m mkdocs build --strict $(OPTIONS)
 
 clean:  ## remove what was built, except environments

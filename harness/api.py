@@ -34,13 +34,16 @@ from railgrip.vehicle.formation import Formation
 
 if TYPE_CHECKING:
     # CasADi and the FMU loader take a second to import, which reading scenarios does not need.
+    import pandas
     import xarray
 
+    from railgrip.campaign.evaluate import Rows
     from railgrip.campaign.sweep import Sweep
     from railgrip.estimation.inspection import Inspection
     from railgrip.report.comparison import Comparison
     from railgrip.report.estimates import Estimates
     from railgrip.report.stop import Stop
+    from railgrip.report.table import Form, ReportTable
     from railgrip.simulate.run import Bench
     from railgrip.simulate.user_parts import CustomParts
     from railgrip.supervision.results import BrakingCurves
@@ -71,11 +74,13 @@ __all__ = [
     "compare",
     "estimate",
     "etcs",
+    "evaluate",
     "inspect",
     "load",
     "open",
     "run",
     "sweep",
+    "table",
 ]
 
 
@@ -261,6 +266,53 @@ def sweep(
         return base.changed(rest), _parts(import_from, parameters, **{n: _copy(n, p) for n, p in parts.items()})
 
     return swept(base.name, variant, {key: _choices(key, axis) for key, axis in _axes(axes)}, workers)
+
+
+def evaluate(
+    function: "Callable[..., Rows]",
+    cases: Iterable[Mapping[str, Any]],
+    file: str | Path | None = None,
+    *,
+    workers: int = 2,
+) -> "pandas.DataFrame":
+    """Return the results of a function in many cases, such as figures of stops, with case and results in a row.
+
+    Results are cached by the sources of railgrip and of the function's module, so that an interrupted call continues.
+
+    Args:
+        function: Function of a module, which is called with a case as its arguments and returns a mapping, or several
+            for several rows. A function of a script or notebook runs in this process, and its results are not cached.
+        cases: Arguments by name: numbers and texts.
+        file: CSV file next to the study that keeps the results. If it has these cases, it is read and nothing is run;
+            otherwise it is written. Remove it to run the cases again.
+        workers: Number of processes; 0 runs one case after the other in this process and caches nothing, for durations.
+
+    Raises:
+        InputError: There are no cases.
+        RailgripError: A case failed; results of the others are kept in the cache.
+
+    Example:
+        >>> evaluate(errors_of, [{"load": load, "seed": seed} for load in (0.8, 1.0) for seed in (1, 2)], "errors.csv")
+    """
+    from railgrip.campaign.evaluate import evaluate as evaluated
+
+    return evaluated(function, cases, None if file is None else path_of(file, "file"), workers)
+
+
+def table(
+    frame: "pandas.DataFrame", forms: "Mapping[str, Form] | None" = None, left: Collection[str] | None = None
+) -> "ReportTable":
+    """Return a frame without its index as a table for a page: `str` of it is Markdown, and a notebook displays it.
+
+    Args:
+        frame: Rows and columns.
+        forms: Column → format of its values, such as "{:.1f} m", or a function that returns their text.
+        left: Columns that are aligned on the left; those of texts unless given.
+    """
+    from railgrip.report.table import ReportTable
+
+    texts = set(frame.columns) - set(frame.select_dtypes("number").columns)
+    return ReportTable.of_frame(frame, forms or {}, texts if left is None else left)
 
 
 def compare(a: "Stop | str | Path", b: "Stop | str | Path", *more: "Stop | str | Path") -> "Comparison":

@@ -19,7 +19,7 @@ from hypothesis import settings
 # Set before NumPy is imported: matrices here are small, and on a busy machine threads that wait for each other take
 # minutes for work that a single thread does in a second.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "tools")]
+sys.path[:0] = [str(Path(__file__).parents[1] / folder) for folder in ("tests", "tools", "docs/studies")]
 
 # Python looks for cycles after every 700 new objects: with thousands of tests in memory that is a tenth of the time.
 gc.set_threshold(50_000, 20, 50)

@@ -1,4 +1,4 @@
-"""Commands of the Makefile alone: repeat stops, write accepted distances, fit levels, search noises, survey FMUs.
+"""Commands of the Makefile alone: repeat stops, write accepted distances, fit levels, survey FMUs, execute pages.
 
 `python tools conditioning FILE.toml`, from the folder of the project; the package contains none of these.
 """
@@ -11,6 +11,8 @@ import typer
 from calibration import calibrate as fit_levels
 from conditioning import Refinement, campaign_of, conditioning_of, merged, repeats_of, with_refinement
 from fmu_survey import survey, survey_table
+from study_pages import execute
+from study_pages import pages as all_pages
 from validation import (
     BASELINE,
     CONVERGENCE,
@@ -286,9 +288,25 @@ def fmus(
         write_tables(FOREIGN, {"fmus": table})
 
 
+def pages(
+    names: Annotated[list[str] | None, typer.Argument(metavar="NAME", help="Pages; all unless given.")] = None,
+    anew: Annotated[bool, typer.Option("--anew", help="Run all cases again, and replace the stored tables.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="A few cases, to check that pages run; into build.")] = False,
+) -> None:
+    """Execute pages of studies, docs/studies/NAME.py, and write NAME.md with its figures next to them."""
+    known = all_pages()
+    if unknown := [name for name in names or () if name not in known]:
+        raise InputError(f"{', '.join(unknown)}: there is no such page of a study; there are {', '.join(known)}.")
+    for page in map(known.__getitem__, names or known):
+        out = Path("build/studies") if quick else page.parent
+        for table in out.glob(f"{page.stem}*.csv") if anew or quick else ():
+            table.unlink()
+        say(str(execute(page, out, quick=quick)))
+
+
 tools = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 tools.callback()(program)
-for each in (conditioning, discretisation, validation, calibrate, tune, fmus):
+for each in (conditioning, discretisation, validation, calibrate, tune, fmus, pages):
     tools.command()(each)
 
 

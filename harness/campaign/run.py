@@ -53,16 +53,16 @@ _QUESTIONS = ("railgrip/scenario/library/", "railgrip/scenario/campaigns/", "rai
 
 
 @cache
-def sources_digest(study: str | None = None) -> str:
+def sources_digest(study: str | Path | None = None) -> str:
     """Return a SHA-256 of every source that a stop depends on: the package's code and the Modelica library.
 
     With the name of a study, also of its module or folder, of those of the studies that it imports, and of all scenario
-    files, on which the study's results depend.
+    files, on which the study's results depend. The path of a module outside of the package is that of a study, too.
     """
     roots = {name: Path(import_module(name).__path__[0]) for name in _PACKAGES} | {"modelica": MODELICA}
     used = studies_used(study, roots["railgrip"] / "studies") if study else ()
     of_studies = tuple(f"railgrip/studies/{name}{end}" for name in used for end in "/.")
-    digest = hashlib.sha256()
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in _modules(study)))
     for name, root in roots.items():
         for path in sorted(file for file in root.rglob("*") if file.suffix in _KINDS):
             # In an installation, the other packages are inside the package's folder.
@@ -78,9 +78,14 @@ def sources_digest(study: str | None = None) -> str:
     return digest.hexdigest()
 
 
-def studies_used(study: str, folder: Path) -> set[str]:
-    """Return the names of a study in a folder and of all studies that it imports, directly or through others."""
-    used, waiting = set[str](), {study}
+def studies_used(study: str | Path, folder: Path) -> set[str]:
+    """Return the names of a study in a folder and of all studies that it imports, directly or through others.
+
+    A study that is a module outside of the folder is not among them.
+    """
+    used, waiting = set[str](), {study} if isinstance(study, str) else set[str]()
+    for path in _modules(study):
+        waiting |= _imported_studies(path)
     while waiting:
         name = waiting.pop()
         used.add(name)
@@ -89,18 +94,31 @@ def studies_used(study: str, folder: Path) -> set[str]:
     return used
 
 
+def _modules(study: str | Path | None) -> list[Path]:
+    """Return the modules of a study outside of the package: its file, and those next to it that it imports."""
+    found = [study] if isinstance(study, Path) else []
+    for path in found:
+        near = {path.with_name(f"{name.partition('.')[0]}.py") for name in _imports(path)}
+        found += sorted(other for other in near - set(found) if other.is_file())
+    return found
+
+
 def _imported_studies(path: Path) -> set[str]:
+    of_studies = {name.split(".")[2] for name in _imports(path) if name.startswith("railgrip.studies.")}
+    return of_studies - {"study"}  # the interface, which computes nothing
+
+
+def _imports(path: Path) -> set[str]:
     names: set[str] = set()
     for node in ast.walk(ast.parse(path.read_bytes(), str(path))):
         if isinstance(node, ast.ImportFrom) and node.module:
             names |= {f"{node.module}.{alias.name}" for alias in node.names}
         elif isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
-    of_studies = {name.split(".")[2] for name in names if name.startswith("railgrip.studies.")}
-    return of_studies - {"study"}  # the interface, which computes nothing
+    return names
 
 
-def input_versions(study: str | None = None) -> dict[str, str]:
+def input_versions(study: str | Path | None = None) -> dict[str, str]:
     """Return name → version of all inputs of a result besides its scenario.
 
     These are the sources, by their digest as `SOURCES`, Python, packages, machine, and the compilers of C and FMUs.

@@ -46,7 +46,14 @@ class Work:
     """
 
     def __init__(
-        self, bar: Progress, stack: ExitStack, study: str, folder: Path, count: int, scheduler: str | None, fresh: bool
+        self,
+        bar: Progress,
+        stack: ExitStack,
+        study: str | Path,
+        folder: Path,
+        count: int,
+        scheduler: str | None,
+        fresh: bool,
     ) -> None:
         self.folder, self.count, self.scheduler, self.fresh, self.run_count = folder, count, scheduler, fresh, 0
         self._bar, self._stack, self._study = bar, stack, study
@@ -170,16 +177,26 @@ def call(task: Callable[[], R]) -> R:
 
 @contextmanager
 def work(
-    study: str, folder: Path = Path(), *, workers: int = 2, scheduler: str | None = None, fresh: bool = False
+    study: str | Path, folder: Path = Path(), *, workers: int = 2, scheduler: str | None = None, fresh: bool = False
 ) -> Generator[Work]:
     """Yield an object that runs the cases of a study, with progress; after an exception, stored results are kept.
+
+    Args:
+        study: Name of a study, or the file of a module with the functions of one.
+        folder: As for `Work`.
+        workers: Number of processes.
+        scheduler: As for `Work`.
+        fresh: As for `Work`.
 
     Raises:
         InputError: `scheduler` is not an address.
     """
     if scheduler is not None:
         processes.require_address(scheduler)
-    with progress(study, _PREPARING, is_count=True) as bar, ExitStack() as stack:
+    with (
+        progress(study.stem if isinstance(study, Path) else study, _PREPARING, is_count=True) as bar,
+        ExitStack() as stack,
+    ):
         yield Work(bar, stack, study, folder, workers, scheduler, fresh)
 
 

@@ -189,6 +189,8 @@ class ReportTable:
         head, *lines = (f"| {' | '.join(cells)} |" for cells in safe)
         return "\n".join((head, f"|{'|'.join(rules)}|", *lines))
 
+    _repr_markdown_ = __str__
+
     def __html__(self) -> str:
         """Return the table as HTML; columns of texts are of the class `text`, numbers keep their values for sorting."""
         kind = "data wide" if self._width() > _WIDE else "data"

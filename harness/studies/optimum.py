@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Annotated, Any
 
 from typer import Option
@@ -22,9 +23,18 @@ from railgrip.simulate.ideal import held_stop
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.creep_curves import CLEAN
 from railgrip.studies.study import Study
-from railgrip.studies.two_maxima import LAWS, PAGE
 from railgrip.studies.type_test.entrants import LIBRARY, entrants, train_of
 from railgrip.studies.type_test.study import PAGE as PAGE_OF_LAWS
+
+LAWS: Mapping[str, Mapping[str, Any]] = {
+    "slip up to 5 %": {"kind": "slip_two_state", "parameters": {"low": 0.035, "high": 0.05}},
+    "slip of 20 to 30 %": {"kind": "slip_two_state", "parameters": {"low": 0.20, "high": 0.30}},
+    "full brake": {"kind": "full_brake"},
+}
+"""Laws, one for each maximum and one that locks the wheels."""
+
+PAGE = Path("docs/rail_models.md")
+"""From the folder of the project, where the command runs."""
 
 RAILS: Mapping[str, Mapping[str, Any]] = {
     "dry": {"adhesion.mu0": 0.05},

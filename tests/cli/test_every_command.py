@@ -81,6 +81,7 @@ COMMANDS = {
     "tools discretisation one.toml --repeats 1 --stops plain-sbc --only steps --workers 1 --fresh": "one.cond",
     "tools validation --baselines tests/baselines --docs docs": "docs/validation.md",
     "tools fmus out --out out/fmus.csv --write": "out/fmus.csv",
+    "tools pages two_maxima --anew --quick": "build/studies/two_maxima_1.svg",
     "maintain regress --baselines small --out out/regress --workers 1 --import-from . --json": "small/etcs.toml",
     "maintain regress --baselines small --out out/regress --workers 1 --junit out/junit.xml": "out/junit.xml",
     "maintain accept --reason R --baselines small --out out/regress": "nothing changed",
@@ -103,7 +104,6 @@ COMMANDS = {
     "study papers --quick": "index.html",
     "study stop_at_target --draws 1 --sets 0 --write": "errors.csv",
     "study stop_at_target --quick": "errors.csv",
-    "study two_maxima --quick": "stops.csv",
     "study lateral --stiffness --quick": "index.html",
     "study type_test --validation --cases 1 --controller full_brake --limits harness/report/library/limits.toml"
     " --import-from .": "index.html",
@@ -182,7 +182,7 @@ ELSEWHERE = {
 
 WHOLE = {
     "--write": ("attribution", "brake_pipe", "estimators", "filter_consistency", "fleet", "optimum", "papers", "trains",
-                "two_maxima", "lateral", "axle_box", "roller_rig", "field_test"),
+                "lateral", "axle_box", "roller_rig", "field_test"),
     "--cases": ("attribution",),
     "--gain-cases": ("attribution",),
     "--fit": ("papers",),

@@ -10,13 +10,17 @@ from pathlib import Path
 
 import pytest
 from commands import tools
+from study_pages import cells, pages, text_of
 from typer.main import get_command
 
 from railgrip.cli.app import app
 from railgrip.studies.study import study_named
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+STUDIES = list(pages(ROOT / "docs/studies").values())
+"""Pages that a command writes as a whole, from their text cells and results."""
+WRITTEN_BY_HAND = {ROOT / "README.md", *(ROOT / "docs").rglob("*.md")} - {path.with_suffix(".md") for path in STUDIES}
+PAGES = [*sorted(WRITTEN_BY_HAND), *STUDIES]
 WRITTEN = re.compile(r"<!-- [^>]*?: written by `(?P<command>[^`]+)` -->.*?<!-- end[^>]*-->", re.DOTALL)
 CONSTANTS = re.compile(r"<!-- constants: (?P<source>.+?) -->", re.DOTALL)
 NEITHER = re.compile(
@@ -86,6 +90,8 @@ _TOKENS = re.compile(r"(?<![\w.])\d(?:_?\d)*(?:\.\d+)?(?:e[+-]?\d+)?")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_every_result_is_written_by_a_command(page: Path):
     text = page.read_text(encoding="utf-8")
+    if page.suffix == ".py":
+        text = "\n\n".join(text_of(cell) for cell in cells(text) if cell.head.startswith("[markdown]"))
     # The code of tutorials runs in a test, and their text repeats its numbers.
     known = "".join(re.findall(r"```.*?```", text, re.DOTALL)) if page.parent.name == "tutorials" else ""
     assert not list(results_in(text, known))

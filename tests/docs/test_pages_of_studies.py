@@ -1,22 +1,27 @@
-"""Every study is described in the documentation, with the command that runs it."""
+"""Every study is described in the documentation with its command, or is a page that its stored tables reproduce."""
 
 import re
+import sys
 from pathlib import Path
+
+import pytest
+from study_pages import execute, pages
 
 from railgrip.studies import names, summary
 
 ROOT = Path(__file__).parents[2]
+PAGES = pages(ROOT / "docs/studies")
 
 
 def test_every_study_is_described_in_the_documentation():
     """A page has its command, or a target of the Makefile that runs it."""
-    pages = "\n".join(path.read_text(encoding="utf-8") for path in (*ROOT.glob("docs/**/*.md"), ROOT / "README.md"))
+    texts = "\n".join(path.read_text(encoding="utf-8") for path in (*ROOT.glob("docs/**/*.md"), ROOT / "README.md"))
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     recipes = re.findall(r"^([a-z-]+):.*\n((?:\t.*\n)+)", makefile, re.MULTILINE)
 
     def is_described(name):
         targets = [target for target, recipe in recipes if re.search(rf"study {name}\b", recipe)]
-        return any(re.search(rf"{command}\b", pages) for command in (f"study {name}", *(f"make {t}" for t in targets)))
+        return any(re.search(rf"{command}\b", texts) for command in (f"study {name}", *(f"make {t}" for t in targets)))
 
     missing = [name for name in names() if not is_described(name)]
     assert missing == [], (
@@ -28,3 +33,50 @@ def test_every_study_is_described_in_the_documentation():
 def test_every_study_has_a_summary_for_the_command_line():
     short = [name for name in names() if len(summary(name)) < 20]
     assert short == [], f"{', '.join(short)}: the first line of the docstring of a study describes it in a sentence"
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_stored_tables_give_the_page_to_the_letter_and_nothing_is_run(name, tmp_path, monkeypatch):
+    monkeypatch.setattr("railgrip.campaign.evaluate.work", lambda *_, **__: pytest.fail("a stored table lacks cases"))
+    committed = PAGES[name].with_suffix(".md").read_text(encoding="utf-8")
+    found = execute(PAGES[name], tmp_path).read_text(encoding="utf-8")
+    assert found == committed
+    figures = re.findall(r"!\[.+\]\((.+\.svg)\)", found)
+    assert all((tmp_path / file).is_file() and PAGES[name].with_name(file).is_file() for file in figures)
+
+
+PAGE = """# %% [markdown]
+# # Title
+#
+# Text.
+
+# %% tags=["parameters"]
+quick = False
+
+# %%
+import numbers_of_page
+
+import railgrip as rg
+
+print("quick" if quick else "whole")
+rg.evaluate(numbers_of_page.square, [{"number": number} for number in (2, 3)], "mine.csv")
+frame = rg.evaluate(numbers_of_page.square, [{"number": number} for number in (2, 3)], "mine.csv")
+rg.table(frame, {"square": "{:.1f} m"})
+"""
+
+
+@pytest.mark.parametrize("quick", [False, True])
+@pytest.mark.usefixtures("own_cache", "in_process")
+def test_a_page_shows_text_output_and_last_value_and_runs_its_cases_once(quick, tmp_path, monkeypatch):
+    calls = tmp_path / "calls"
+    module = f"def square(number):\n    open({str(calls)!r}, 'a').write('.')\n    return {{'square': number**2 / 3}}\n"
+    (tmp_path / "numbers_of_page.py").write_text(module, encoding="utf-8")
+    (tmp_path / "mine.py").write_text(PAGE, encoding="utf-8")
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.delitem(sys.modules, "numbers_of_page", raising=False)
+    written = execute(tmp_path / "mine.py", tmp_path / "out", quick=quick).read_text(encoding="utf-8")
+    form = "quick" if quick else "whole"
+    assert written.startswith(f"# Title\n\nText.\n\n{form}\n\n| number | square |\n|--:|--:|\n| 2 | 1.3 m |")
+    assert calls.read_text() == ".."
+    stored = (tmp_path / ("out" if quick else "") / "mine.csv").read_text(encoding="utf-8")
+    assert stored.startswith(f"number,square\n2,{4 / 3!r}\n")

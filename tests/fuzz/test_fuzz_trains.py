@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from maxima_stops import energy_error
 
 import railgrip as rg
 from railgrip.base.registry import shelf
@@ -18,7 +19,6 @@ from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.file import merge
 from railgrip.scenario.load import scenario_of
 from railgrip.scenario.outcome import Outcome
-from railgrip.studies.two_maxima import energy_error
 from railgrip.studies.type_test.entrants import train_of
 
 TRAINS = {

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rumoca
+from maxima_stops import energy_error
 
 import railgrip as rg
 from railgrip.base.errors import ScenarioError
@@ -16,7 +17,6 @@ from railgrip.scenario.file import merge
 from railgrip.scenario.load import scenario_of
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.track_geometry import spectrum
-from railgrip.studies.two_maxima import energy_error
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of
 

@@ -3,6 +3,7 @@
 import itertools
 
 import pytest
+from maxima_stops import CAUSES, LAWS, energy_error, maxima_of, slide_of, stop_of
 from small_train import one_bogie
 
 import railgrip as rg
@@ -10,7 +11,6 @@ from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import run_stop
-from railgrip.studies.two_maxima import CAUSES, LAWS, energy_error, first_slide, maxima_of_slide, scenario_of
 
 COUNTS = {"film alone": 1, "heat": 1, "cleaning": 1, "cleaning and heat": 2}
 
@@ -18,7 +18,7 @@ COUNTS = {"film alone": 1, "heat": 1, "cleaning": 1, "cleaning and heat": 2}
 @pytest.fixture(scope="module")
 def stops():
     cases = [(rail, causes, "full brake") for rail, causes in itertools.product(("wet", "leaves"), CAUSES)]
-    return {case[:2]: run_stop(scenario_of(case)) for case in cases}
+    return {case[:2]: stop_of(*case) for case in cases}
 
 
 def test_the_train_stops_and_its_energy_becomes_heat_with_each_switch(stops):
@@ -30,18 +30,18 @@ def test_the_train_stops_and_its_energy_becomes_heat_with_each_switch(stops):
 
 def test_a_slide_has_two_maxima_only_with_cleaning_and_heat(stops):
     for (_, causes), stop in stops.items():
-        peaks = maxima_of_slide(*first_slide(stop))
+        peaks = maxima_of(*slide_of(stop))
         assert len(peaks) == COUNTS[causes]
-        assert peaks[0][0] < 0.1
+        assert peaks[0] < 0.1
         if causes == "cleaning and heat":
-            assert 0.2 < peaks[1][0] < 0.6
+            assert 0.2 < peaks[1] < 0.6
 
 
 def test_locking_is_shorter_than_not_sliding_only_without_heat(stops):
     """Cleaning alone favours locking: with heat, holding the second maximum is a fifth shorter than locking."""
     for rail in ("wet", "leaves"):
         locked = stops[rail, "cleaning and heat"].metrics.distance
-        held = run_stop(scenario_of((rail, "cleaning and heat", "slip of 20 to 30 %"))).metrics.distance
+        held = stop_of(rail, "cleaning and heat", "slip of 20 to 30 %").metrics.distance
         assert held < 0.9 * locked
 
 
