@@ -11,6 +11,7 @@ from onboard import train_data
 
 from railgrip.base.errors import InputError
 from railgrip.report.statistics import FEWEST_DRAWS
+from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.load import read_toml
 from railgrip.scenario.surface import Sander
 from railgrip.studies.benefit import study as module
@@ -30,7 +31,10 @@ from railgrip.trace.k_wet import k_wet
 
 SPEED, TIME, DRY = 30.0, 1.0, 400.0
 LINE = (LIBRARY / "line_leaves.toml").read_text(encoding="utf-8")
-TRAM, EMU = (Path(trains.__file__).parents[1] / "scenario" / "trains" / f"{name}.toml" for name in ("tram", "emu387"))
+TRAM, EMU, WAGON = (
+    Path(trains.__file__).parents[1] / "scenario" / "trains" / f"{name}.toml"
+    for name in ("tram", "emu387", "two_axle_wagon")
+)
 
 
 @pytest.fixture(scope="module")
@@ -203,9 +207,16 @@ def test_the_question_of_an_operator_in_one_command(few_draws, monkeypatch):
     assert len(page.figures["benefit.png"].axes) == 4  # distances, two headways, legend
 
 
-def test_a_rail_on_which_the_train_does_not_stop_is_refused(few_draws, monkeypatch):
-    monkeypatch.setattr(module, "figures_of", lambda scenario: stop_by_hand(scenario) | {"distance": np.inf})
-    with pytest.raises(InputError, match="does not come to a standstill in 2 of 2 stops from 120 km/h on the rail"):
+@pytest.mark.parametrize(
+    ("is_lost", "stops"), [(lambda mu0: mu0 < 0.2, "2 of 2 stops"), (lambda mu0: mu0 > 0.2, "1 of 1 stops")]
+)
+def test_a_rail_on_which_the_train_does_not_stop_is_refused(few_draws, monkeypatch, is_lost, stops):
+    monkeypatch.setattr(
+        module,
+        "figures_of",
+        lambda scenario: stop_by_hand(scenario) | ({"distance": np.inf} if is_lost(scenario.adhesion.lowest) else {}),
+    )
+    with pytest.raises(InputError, match=f"does not come to a standstill in {stops} from 120 km/h on the rail"):
         chain_of(Benefit(EMU, "sand", Path("leaves"), draws=2), Here())
 
 
@@ -221,6 +232,15 @@ def test_a_rail_on_which_the_train_does_not_stop_is_refused(few_draws, monkeypat
 def test_wrong_measures_are_refused_with_a_sentence(measures, sentence):
     with pytest.raises(InputError, match=re.escape(sentence)):
         measures_of(measures, load_study_line(LIBRARY / "line_leaves.toml"))
+
+
+def test_a_train_with_weak_brakes_has_the_time_to_stop_on_a_dry_rail(commuter, tmp_path):
+    """From 120 km/h its brakes take 63 s; the friction of a dry rail would allow 14 s."""
+    (base,) = variants_of(WAGON, {}, "full_brake", tmp_path)
+    horizon = module.scenario_for(base, commuter, None, 0, 120 / 3.6).limits.horizon
+    assert horizon > module.by_hand(load_train(WAGON), 120 / 3.6).duration + 20
+    with pytest.raises(InputError, match=r"--measures sand: two_axle_wagon\.toml with it is wrong: .* the train has 2"):
+        variants_of(WAGON, measures_of("sand", commuter), "full_brake", tmp_path)
 
 
 def test_a_line_has_measures_and_files_of_its_own(tmp_path):

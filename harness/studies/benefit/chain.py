@@ -15,6 +15,7 @@ from railgrip.base.units import GRAVITY
 from railgrip.report.statistics import FEWEST_DRAWS
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.schema import load_train
+from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.file import inline_toml, merge
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.outcome import Outcome
@@ -78,7 +79,13 @@ def variants_of(train: Path, measures: Mapping[str, Measure], controller: str, f
             changed["reference"] = [{**stop, "limit": False} for stop in changed.get("reference", ())]
             file = folder / f"{train.stem}_{'_'.join(chosen) or BASE}.toml"
             write_text(file, "".join(f"{key} = {inline_toml(value)}\n" for key, value in changed.items()))
-            checked_train(file)
+            try:
+                checked_train(file)
+            except InputError as problem:
+                raise InputError(
+                    f"--measures {','.join(chosen)}: {train.name} with it is wrong: {problem} Leave it out, or give "
+                    "the train its own equipment for it."
+                ) from problem
         changes: dict[str, Any] = {"controller": {"kind": controller}}
         for each in chosen:
             changes = merge(changes, measures[each].scenario)
@@ -121,7 +128,11 @@ def scenario_for(variant: Variant, line: LineOfStudy, rail: SeasonalRail | None,
         tables = merge({**tables, "adhesion": adhesion}, changes)
     what = f"{line.name}: {variant.name}, {'dry' if rail is None else rail.name}"
     scenario = scenario_of(tables, directory=variant.train.parent, origin=what)
-    horizon = min(speed / (_SLOWEST * GRAVITY * scenario.adhesion.lowest) + 30.0, _LONGEST)
+    # Friction or the brakes limit the deceleration.
+    longest = max(
+        speed / (_SLOWEST * GRAVITY * scenario.adhesion.lowest), by_hand(load_train(variant.train), speed).duration
+    )
+    horizon = min(longest + 30.0, _LONGEST)
     return scenario_of(merge(tables, {"limits": {"horizon": horizon}}), directory=variant.train.parent, origin=what)
 
 
@@ -305,11 +316,12 @@ class BenefitChain:
         Raises:
             InputError: A variant does not stop in a draw.
         """
-        for variant, of_variant in zip(self.variants, self.figures["distance"], strict=True):
-            for rail, distances in zip(self.line.rail, of_variant, strict=True):
-                if lost := int(np.isinf(distances).sum()):
+        names = ["dry, of K_wet", *(rail.name for rail in self.line.rail)]
+        for variant, dry, of_variant in zip(self.variants, self.dry, self.figures["distance"], strict=True):
+            for rail, distances in zip(names, [np.array([dry]), *of_variant], strict=True):
+                if lost := int((~np.isfinite(distances)).sum()):
                     raise InputError(
                         f"{self.line.name}: {variant.name}: the train does not come to a standstill in {lost} of "
-                        f"{len(distances)} stops from {3.6 * self.speed:g} km/h on the rail '{rail.name}', so that "
+                        f"{len(distances)} stops from {3.6 * self.speed:g} km/h on the rail '{rail}', so that "
                         "there is no K_wet; raise the friction of the rail or reduce the speed of the line"
                     )
