@@ -25,6 +25,7 @@ Direction = Literal["rising", "falling"]
 
 _HEADER: Final = re.compile(r"\s*(.*?)\s*(?:\[(.*)\]|\((.*)\))?\s*")
 """Name of a column, and its unit in brackets if it has one."""
+_THOUSANDS: Final = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _LARGEST: Final = 64 << 20  # bytes; a point every 0.1 m over 100 km takes a third of it
 _BEGINS_EARLY: Final = 0.1
 """Share of the shortest possible stop; a curve that ends earlier probably has another unit."""
@@ -132,8 +133,11 @@ def read_columns(
         ValueError: The file is wrong; the message has the line, but not the file's name.
     """
     try:
-        lines = enumerate(csv.reader(read_text(path, _LARGEST).splitlines()), start=1)
-        rows = [(line, row) for line, row in lines if any(cell.strip() for cell in row)]
+        lines = read_text(path, _LARGEST).splitlines()
+        head = next((line for line in lines if line.strip()), "")
+        separator = next((mark for mark in ";\t" if mark in head), ",")
+        numbered = enumerate(csv.reader(lines, delimiter=separator), start=1)
+        rows = [(line, row) for line, row in numbered if any(cell.strip() for cell in row)]
     except (InputError, csv.Error) as problem:
         raise ValueError(f"is not a table of text, as csv files are ({problem})") from problem
     if not rows:
@@ -155,7 +159,7 @@ def read_columns(
     if len(rows) < 3:
         raise ValueError(f"has {len(rows) - 1} rows of numbers; a curve takes two or more")
     axis = axes_in_header[0]
-    values = _numbers(rows[1:], len(header))
+    values = _numbers(rows[1:] if separator == "," else _with_points(rows[1:]), len(header))
     for place, (column, text) in enumerate(zip(header, stated, strict=True)):
         if text:
             try:
@@ -182,6 +186,17 @@ def read_columns(
     return TabulatedQuantity(
         axis=axis, unit=axes[axis], has_unit=bool(stated[header.index(axis)]), points=points, values=quantity
     )
+
+
+def _with_points(rows: Sequence[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
+    """Return rows with decimal points in place of commas, unless these may separate thousands."""
+    commas = [(line, cell.strip()) for line, row in rows for cell in row if "," in cell]
+    if commas and all(_THOUSANDS.fullmatch(cell) for _, cell in commas):
+        raise ValueError(
+            f"line {commas[0][0]}: the comma may be a decimal sign or separate thousands; write decimal points, and no "
+            "separators of thousands"
+        )
+    return [(line, [cell.replace(",", ".") for cell in row]) for line, row in rows]
 
 
 def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> Array:

@@ -181,6 +181,7 @@ def test_a_users_curve_may_be_over_distance_and_differ_for_each_wheelset(tmp_pat
         ("time,mu0\n0,0.1\n1,x\n", "line 3: 2 finite numbers are expected"),
         ("time,mu0\n0,0.1\n1\n", "line 3: 2 finite numbers are expected"),
         ("time,mu0\n0,0.1\n0,0.2\n", "line 3: time does not rise"),
+        ("time;mu0\n0;0.1\n1,000;0.2\n", "line 3: the comma may be a decimal sign or separate thousands"),
         ("time,mu0\n0,0.1\n\n1,0\n", "line 4: mu0 must be above 0"),
         ("time [m],mu0\n0,.1\n1,.1\n", "column time: 'm' (m) cannot become 's' (s)"),
         ("time [sec.],mu0\n0,.1\n1,.1\n", "column time: 'sec.' is not a unit known here"),
@@ -209,6 +210,9 @@ def test_columns_may_state_their_units(tmp_path, header, factor, percent):
     np.testing.assert_allclose(stated.points, plain.points)
     np.testing.assert_allclose(stated.values, plain.values)
     assert stated.axis == "distance"
+    for mark in ";\t":
+        other = curve(f"{header}\n{rows}".replace(",", mark).replace(".", ","))
+        np.testing.assert_array_equal((other.points, other.values[:, 0]), (stated.points, stated.values[:, 0]))
 
 
 @pytest.mark.parametrize(
