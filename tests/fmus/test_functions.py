@@ -1,13 +1,10 @@
 """Functions and algorithms give the values of their closed forms, or are refused with file, line and remedy."""
 
-import re
-
 import pytest
 
 from railgrip.base.errors import InputError
 from railgrip.fmus.native import lower
 from railgrip.fmus.native.dae import read
-from railgrip.fmus.native.system import explicit
 
 X = 2.0
 SIMPLE = "input Real u; output Real y;"
@@ -65,66 +62,6 @@ def text_of(declarations, statements, call):
         f"x(start={X},fixed=true);\n"
         f" output Real y;\nequation\n der(x) = -x;\n y = {call};\nend M;\nend P;\n"
     )
-
-
-# Statements of f → the line and the words of the refusal.
-REFUSED = {
-    "while": (
-        "y := u; while abs(y) > 1 loop y := y/2; end while;",
-        "while",
-        "a while loop whose number of repetitions",
-    ),
-    "break": ("y := 0; for i in 1:5 loop if i > 3 then break; end if; y := y + i; end for;", "break", "break"),
-    "return": (
-        "y := 0; for i in 1:5 loop y := y + i; if i > 3 then return; end if; end for;",
-        "return",
-        "return inside a loop",
-    ),
-    "array iterator": ("y := 0; for v in {1.0, 3.0, u} loop y := y + v; end for;", "for v", "write `for i in 1:size"),
-    "Real range": ("y := 0; for i in 0.5:1:2.5 loop y := y + i; end for;", "for i", "must be Integer numbers"),
-    "recursion": ("y := if u < 1 then 1 else u*f(u - 1);", "f(u - 1)", "the recursive function P.f"),
-    "assert": ('y := u; assert(u > 0, "negative");', "assert", "an assert inside function f"),
-    "assert in a loop": (
-        'y := u; for i in 1:2 loop y := y + 1; if y > 2 then assert(u > 0, "negative"); end if; end for;',
-        "assert",
-        "an assert inside function f",
-    ),
-    "assert alone in loops": (
-        'y := u; for i in 1:2 loop for j in 1:2 loop assert(u > i, "low"); end for; end for;',
-        "assert",
-        "an assert inside function f",
-    ),
-    "not assigned": ("if u > 3 then y := 1; end if;", "function f", "not assigned in every case"),
-    "sizes": ("y := u + {1, 2};", "{1, 2}", "sizes of the arrays do not fit"),
-    "square root": ("y := sqrt(-1);", "sqrt", r"sqrt\(-1\): the argument must not be negative"),
-    "division": ("y := u/0;", "u/0", "the divisor must not be zero"),
-}
-
-
-@pytest.mark.parametrize("form", REFUSED)
-def test_an_unsupported_function_is_refused_with_line_and_remedy(tmp_path, form):
-    statements, line, words = REFUSED[form]
-    file = tmp_path / "P.mo"
-    file.write_text(text_of(SIMPLE, statements, "f(x)"))
-    with pytest.raises(InputError, match=words) as refusal:
-        explicit(read("P.M", file))
-    message = str(refusal.value)
-    assert "semantic owner" not in message
-    number = int(re.match(r"P\.mo:(\d+): ", message)[1])
-    assert line in file.read_text().splitlines()[number - 1]
-
-
-def test_newtons_iteration_until_it_converges_is_refused_at_its_loop(tmp_path):
-    """The form that users write first; the front end names neither file nor line."""
-    file = tmp_path / "P.mo"
-    file.write_text(
-        "package P\nfunction root\n input Real u;\n output Real y;\nprotected\n Real step = 1;\nalgorithm\n y := u;\n"
-        " while abs(step) > 1e-9 loop\n  step := (y^2 - u)/(2*y);\n  y := y - step;\n end while;\nend root;\n"
-        "model M\n Real s(start=1,fixed=true);\n output Real y = root(s + 1);\nequation\n der(s) = -s;\nend "
-        "M;\nend P;\n"
-    )
-    with pytest.raises(InputError, match=r"P\.mo:9: P\.M: a while loop .* write a for loop with a fixed range"):
-        read("P.M", file)
 
 
 def test_an_algorithm_that_is_not_supported_is_refused_at_its_line_not_at_that_of_a_function(tmp_path):

@@ -3,7 +3,6 @@
 import fmpy
 import pytest
 
-from railgrip.base.errors import TranslationError
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
 
@@ -142,34 +141,6 @@ def test_a_fixed_start_is_an_initial_equation(modelica, interface, case):
     declarations, equations, x = FIXED[case]
     (found,) = trajectory(modelica(f"model M {declarations} equation {equations} end M;"), interface, "x")
     assert found[0] == pytest.approx(x, abs=1e-9)
-
-
-# Sentence → model.
-REFUSED = {
-    r"number of initial equations is 1 \(Model.mo:2 \(y\)\).*without a fixed start 0 \(none\).*fixed = false for 1": (
-        "Real x(start=1, fixed=true);\n Real y(start=6, fixed=true) = 2*x;\nequation der(x) = -x;"
-    ),
-    r"number of initial equations is 1 \(Model.mo:2 \(y\)\).*without a fixed start 2 \(x, z\).*fixed = true for 1": (
-        "Real x, z;\n Real y(start=6, fixed=true) = x + z;\nequation der(x) = -x; der(z) = -z;"
-    ),
-    "n has more than one initial value": (
-        "Integer n(start=2, fixed=true);\ninitial equation n = 3; equation when time > 1 then n = 4; end when;"
-    ),
-    r"Model.mo:2.*initial equation of b itself.*write pre\(b\)": (
-        "Boolean b; Real x(start=1, fixed=true);\ninitial equation b = true; equation b = x > 0.5; der(x) = -1;"
-    ),
-    r"Model.mo:2: M: initial\(\) and sample\(\) are supported in when clauses only": (
-        "Real x(start=1, fixed=true); Real y;\nequation der(x) = -x; y = if initial() then 5 else x;"
-    ),
-}
-
-
-@pytest.mark.parametrize("sentence", REFUSED)
-def test_initial_values_that_are_not_determined_are_refused_by_name(tmp_path, sentence):
-    file = tmp_path / "Model.mo"
-    file.write_text(f"model M {REFUSED[sentence]} end M;")
-    with pytest.raises(TranslationError, match=sentence):
-        explicit(read("M", file))
 
 
 @pytest.mark.parametrize("interface", INTERFACES)

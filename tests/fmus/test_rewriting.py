@@ -166,36 +166,6 @@ def test_random_algorithms_have_the_values_of_their_execution(tmp_path, seed):
         assert found == run(lines, time)
 
 
-# Body of a model → what its refusal says.
-REFUSED = {
-    "a start value": ("output Real y(start=2); algorithm if time > 1 then y := 1; end if;", "algorithm section"),
-    "while": ("output Real y; algorithm y := 1; while y < 4*time loop y := y + 1; end while;", "M.mo"),
-    "break": (
-        "output Real y; algorithm y := 1; for i in 1:3 loop y := 2*y; if y > 3 then break; end if; end for;",
-        "algo",
-    ),
-    "an array that is assigned in part": ("output Real x[3]; algorithm x[1] := 1; x[2] := x[1];", "M.mo"),
-    "an iterator that is assigned": ("output Real y; algorithm for i in 1:2 loop i := 3; y := i; end for;", "M.mo"),
-    "a parameter that is assigned": ("parameter Real p; output Real y; algorithm y := 0; p := 1; y := y + p;", "M.mo"),
-    "a Real number as an index": ("output Real x[2]; algorithm for r in 1.0:2.0 loop x[r] := r; end for;", "M.mo"),
-    "rows as the elements of a list": (
-        "output Real x[2]; equation for r in {{1, 2}, {2, 3}} loop x[r[1]] = r[2]; end for;",
-        "M.mo",
-    ),
-    "two modifiers of one component": (
-        "model A parameter Real k; parameter Real l; end A; model B A a; end B; B b(a.k = 4, a.l = 3);", "would be lost"
-    ),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_what_cannot_keep_its_meaning_is_refused_as_before(tmp_path, name):
-    body, sentence = REFUSED[name]
-    with pytest.raises(InputError, match=sentence) as refusal:
-        lower("M", write(tmp_path, body))
-    assert "railgrip-" not in str(refusal.value)  # the name of a temporary folder
-
-
 @pytest.mark.parametrize(
     ("body", "modifier"),
     [

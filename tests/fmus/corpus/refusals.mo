@@ -193,3 +193,300 @@ equation
   reinit(x[1], 10);
  end when;
 end M;
+
+// a while loop whose number of repetitions; while
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ y := u; while abs(y) > 1 loop y := y/2; end while;
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// break; break
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ y := 0; for i in 1:5 loop if i > 3 then break; end if; y := y + i; end for;
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// return inside a loop; return
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ y := 0; for i in 1:5 loop y := y + i; if i > 3 then return; end if; end for;
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// write `for i in 1:size; for v
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ y := 0; for v in {1.0, 3.0, u} loop y := y + v; end for;
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// must be Integer numbers; for i
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ y := 0; for i in 0.5:1:2.5 loop y := y + i; end for;
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// the recursive function P.f; f(u - 1)
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ y := if u < 1 then 1 else u*f(u - 1);
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// an assert inside function f; assert
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ y := u; assert(u > 0, "negative");
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// an assert inside function f; assert
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ y := u; for i in 1:2 loop y := y + 1; if y > 2 then assert(u > 0, "negative"); end if; end for;
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// an assert inside function f; assert
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ y := u; for i in 1:2 loop for j in 1:2 loop assert(u > i, "low"); end for; end for;
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// not assigned in every case; function f
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ if u > 3 then y := 1; end if;
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// sizes of the arrays do not fit.*y := u \+ .1, 2.; y
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ y := u + {1, 2};
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// sqrt\(-1\): the argument must not be negative; sqrt
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ y := sqrt(-1);
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// the divisor must not be zero; u/0
+package P
+function f
+ input Real u; output Real y;
+algorithm
+ y := u/0;
+end f;
+model M
+ Real x(start=2.0,fixed=true);
+ output Real y;
+equation
+ der(x) = -x;
+ y = f(x);
+end M;
+end P;
+
+// P.M: a while loop .* write a for loop with a fixed range; while abs
+package P
+function root
+ input Real u;
+ output Real y;
+protected
+ Real step = 1;
+algorithm
+ y := u;
+ while abs(step) > 1e-9 loop
+  step := (y^2 - u)/(2*y);
+  y := y - step;
+ end while;
+end root;
+model M
+ Real s(start=1,fixed=true);
+ output Real y = root(s + 1);
+equation
+ der(s) = -s;
+end M;
+end P;
+
+// algorithm section;
+model M
+output Real y(start=2); algorithm if time > 1 then y := 1; end if;
+end M;
+
+// .;
+model M
+output Real y; algorithm y := 1; while y < 4*time loop y := y + 1; end while;
+end M;
+
+// algo;
+model M
+output Real y; algorithm y := 1; for i in 1:3 loop y := 2*y; if y > 3 then break; end if; end for;
+end M;
+
+// .;
+model M
+output Real x[3]; algorithm x[1] := 1; x[2] := x[1];
+end M;
+
+// .;
+model M
+output Real y; algorithm for i in 1:2 loop i := 3; y := i; end for;
+end M;
+
+// .;
+model M
+parameter Real p; output Real y; algorithm y := 0; p := 1; y := y + p;
+end M;
+
+// .;
+model M
+output Real x[2]; algorithm for r in 1.0:2.0 loop x[r] := r; end for;
+end M;
+
+// .;
+model M
+output Real x[2]; equation for r in {{1, 2}, {2, 3}} loop x[r[1]] = r[2]; end for;
+end M;
+
+// would be lost;
+model M
+model A parameter Real k; parameter Real l; end A; model B A a; end B; B b(a.k = 4, a.l = 3);
+end M;
+
+// number of initial equations is 1 \(Model.mo:2 \(y\)\).*without a fixed start 0 \(none\).*fixed = false for 1;
+model M Real x(start=1, fixed=true);
+ Real y(start=6, fixed=true) = 2*x;
+equation der(x) = -x; end M;
+
+// number of initial equations is 1 \(Model.mo:2 \(y\)\).*without a fixed start 2 \(x, z\).*fixed = true for 1;
+model M Real x, z;
+ Real y(start=6, fixed=true) = x + z;
+equation der(x) = -x; der(z) = -z; end M;
+
+// n has more than one initial value;
+model M Integer n(start=2, fixed=true);
+initial equation n = 3; equation when time > 1 then n = 4; end when; end M;
+
+// Model.mo:2.*initial equation of b itself.*write pre\(b\);
+model M Boolean b; Real x(start=1, fixed=true);
+initial equation b = true; equation b = x > 0.5; der(x) = -1; end M;
+
+// Model.mo:2: M: initial\(\) and sample\(\) are supported in when clauses only;
+model M Real x(start=1, fixed=true); Real y;
+equation der(x) = -x; y = if initial() then 5 else x; end M;
