@@ -1,10 +1,7 @@
 """Each wrong file of wrong_files.toml is refused with its sentence."""
 
-import re
-import tomllib
-from pathlib import Path
-
 import pytest
+from wrong import table, words
 
 from railgrip.base.errors import RailgripError
 from railgrip.estimation.sources import recording_of_estimation
@@ -29,7 +26,7 @@ KINDS = {
     "line": (load_study_line, lambda _: (LINES / "line_leaves.toml").read_text(encoding="utf-8")),
 }
 """Kind → the function that reads a file, and one that returns the text of a correct file of this name."""
-FILES = tomllib.loads(Path(__file__).with_name("wrong_files.toml").read_text(encoding="utf-8"))
+FILES = table(__file__, "wrong_files.toml")
 ROWS = [(kind, name, *row) for kind, names in FILES.items() for name, rows in names.items() for row in rows]
 
 
@@ -39,5 +36,5 @@ def test_a_wrong_file_is_refused_in_a_sentence(tmp_path, kind, name, sentence, o
     text = correct(name)
     assert old in text
     (tmp_path / "own.toml").write_text(text.replace(old, new) if old else text + new, encoding="utf-8")
-    with pytest.raises(RailgripError, match="(?s)" + ".*".join(map(re.escape, sentence.split("…")))):
+    with pytest.raises(RailgripError, match=words(sentence)):
         read(tmp_path / "own.toml")

@@ -12,6 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.io import savemat
+from wrong import table as table_of
+from wrong import words
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import unit
@@ -344,39 +346,10 @@ def test_column_times_factor_plus_offset_equals_the_result_of_pint(units, readin
     assert gain * reading + shift == pytest.approx(expected, rel=0.0, abs=2e-15 * size)
 
 
-REFUSALS = [
-    ({"speed": {"column": "w", "unit": "km/h"}}, r"has no column 'w'; it has t, v, n, F, T"),
-    ({"speed": {"column": "?", "unit": "km/h"}}, r"fill in each '\?' in \[data.columns\]; it has t, v, n, F, T"),
-    (
-        {"speed": {"column": "v", "unit": "kN"}},
-        r"speed \(column 'v'\): 'kN' \(kg.m.s-2\) cannot become 'm/s' \(m.s-1\)",
-    ),
-    (
-        {"pad_force": {"column": "F", "unit": "bar"}},
-        r"^run.csv: pad_force \(column 'F'\): 'bar' \(kg.m-1.s-2\) cannot become 'N' \(kg.m.s-2\); map another "
-        r"column, or write a factor with its unit, such as factor = '2.5 N/bar'\.$",
-    ),
-    (
-        {"pad_force": {"column": "F", "unit": "km/h", "factor": "8 kN/bar"}},
-        r"'km/h' \(m.s-1\) times factor '8 kN/bar' cannot become 'N' \(kg.m.s-2\); .* factor = '2.5 kg.s-1'\.$",
-    ),
-    (
-        {"pad_force": {"column": "F", "unit": "kN", "factor": "8 kN/bar"}},
-        r"'kN' \(kg.m.s-2\) times factor '8 kN/bar' cannot become 'N' .*, or write the factor without a unit\.$",
-    ),
-    ({"pad_force": {"column": "F", "unit": "degC", "factor": "2 N/K"}}, r"'degC' times factor '2 N/K' .* unit = 'K'"),
-    ({"speed": {"column": "v"}}, r"speed \(column 'v'\) has no unit; write unit = "),
-    ({"wheelset_speed": {"column": "n", "unit": "Hz"}}, r"is written 'rev/s' or 'rad/s', which are 2π apart"),
-    ({"wheelset_speed": {"column": "n", "unit": "1/min"}}, r"is written 'rev/min' or 'rad/min', which are 2π apart"),
-    ({"speeed": {"column": "v", "unit": "km/h"}}, r"the model has no signal 'speeed'; did you mean 'speed'\?"),
-    ({"pad_force": None}, r"lacks pad_force, which the model must know at all times"),
-]
-
-
-@pytest.mark.parametrize(("columns", "sentence"), REFUSALS)
-def test_an_invalid_map_is_refused(tmp_path, columns, sentence):
-    with pytest.raises(EstimationError, match=sentence):
-        recording_from(csv(tmp_path, stop()), columns=columns)
+@pytest.mark.parametrize(("sentence", "signal", "column"), table_of(__file__, "wrong_maps.toml")["rows"])
+def test_an_invalid_map_is_refused(tmp_path, sentence, signal, column):
+    with pytest.raises(EstimationError, match=words(sentence)):
+        recording_from(csv(tmp_path, stop()), columns={signal: column or None})
 
 
 def test_the_unit_of_the_header_is_used_and_must_agree_with_the_map(tmp_path):

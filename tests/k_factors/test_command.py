@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from command_line import exit_code
+from wrong import table
 
 from railgrip.report.table import END
 from railgrip.studies.k_factors.k_dry import LIBRARY
@@ -71,35 +72,11 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake(tmp_path):
     assert abs(first["loop"]["k"] - first["loop"]["quasi_static"]["k"]) < 0.05
 
 
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        ("estimate.draws=3", "has no key 'draws'"),
-        ("estimate.runs=1", "[estimate] runs"),
-        ("failures.stuck_valve.probability=0.5", "must be at most 0.1"),
-        ("failures.stuck_valve.error_factor=0.5", "[failures.stuck_valve] error_factor"),
-        ("failures.stuck_valve.common_cause.beta=0.6", "must be at most 0.5"),
-        ("dispersion=[{quantity='mass', per='unit', kind='normal', deviation='2 %', source='none'}]", "per unit"),
-        ("dispersion=[{quantity='mass', per='train', kind='normal', deviation='2 bar', source='none'}]", "bar"),
-        ("dispersion=[{quantity='mass', per='train', kind='normal', deviation='20 %', source='none'}]", "0.15"),
-        (
-            "dispersion=[{quantity='pressure', per='group', kind='uniform', lowest='1 bar', highest='0 bar', "
-            "source='none'}]",
-            "must be below highest",
-        ),
-        ("dispersion=[{quantity='mass', per='train', kind='normal', deviation='2 %'}]", "has no 'source'"),
-        ("speed_steps=['80 km/h', '40 km/h']", "must rise"),
-        ("speed_steps=['130 km/h']", "must stay below"),
-        ("scenario='nowhere.toml'", "no such file"),
-        ("scenario='trapezoid'; speed_steps=[]", "need 'pneumatic'"),
-        ("scenario='wagon'; speed_steps=[]", "K factors"),
-    ],
-)
-def test_a_wrong_file_is_reported_in_a_sentence(change, sentence, tmp_path, command):
-    changes = [part for one in change.split("; ") for part in ("--set", one)]
-    refused = command("study", "k_factors", "vt642", "--out", tmp_path, *changes)
-    assert refused.code == 2
-    assert sentence in refused.err
+@pytest.mark.parametrize("row", table(__file__, "wrong_files.toml")["rows"], ids=str)
+def test_a_wrong_file_is_reported_in_a_sentence(row, tmp_path, command):
+    sentence, *changes = row
+    refused = command("study", "k_factors", "vt642", "--out", tmp_path, *(f"--set={change}" for change in changes))
+    assert (refused.code, sentence in refused.err) == (2, True), refused.err
 
 
 def test_stops_require_their_table(tmp_path, command):

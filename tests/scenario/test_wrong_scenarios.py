@@ -1,18 +1,15 @@
 """Each wrong scenario of wrong_scenarios.toml is refused in its sentence, at the first stage that can know."""
 
-import re
-import tomllib
-from pathlib import Path
-
 import pytest
 from synthetic import LIBRARY
+from wrong import table, words
 
 from railgrip.base.errors import RailgripError
 from railgrip.scenario.load import load
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
 
-STAGES = tomllib.loads(Path(__file__).with_name("wrong_scenarios.toml").read_text(encoding="utf-8"))
+STAGES = table(__file__, "wrong_scenarios.toml")
 ROWS = [(stage, base, *row) for stage, bases in STAGES.items() for base, rows in bases.items() for row in rows]
 
 
@@ -31,8 +28,6 @@ def test_a_wrong_scenario_is_refused_in_a_sentence_with_file_table_and_key(row, 
         if stage == "run":
             run_stop(scenario)
 
-    with pytest.raises(
-        RailgripError, match=f"(?ms)^{file}" + ".*".join(map(re.escape, sentence.split("…")))
-    ) as refused:
+    with pytest.raises(RailgripError, match=f"(?m)^{file}{words(sentence)}") as refused:
         use()
     assert all(len(line) < 500 for line in str(refused.value).splitlines())

@@ -1,0 +1,16 @@
+"""Tables of wrong inputs, in files next to their tests, with words of the sentences that refuse them."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+
+def table(test: str, name: str) -> dict[str, Any]:
+    """Return the content of a file in the folder of a test."""
+    return tomllib.loads(Path(test).with_name(name).read_text(encoding="utf-8"))
+
+
+def words(sentence: str) -> str:
+    """Return the pattern of a sentence in which "…" is any text."""
+    return f"(?s:{'.*'.join(map(re.escape, sentence.split('…')))})"
