@@ -1,7 +1,9 @@
 """Commands for accepted numbers: compare them, and accept new ones."""
 
 import shlex
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated
 
@@ -16,6 +18,7 @@ from railgrip.cli.campaigns import run_campaigns
 from railgrip.report.baseline import (
     Baseline,
     BaselineComparison,
+    Finding,
     Findings,
     compare,
     comparison_table,
@@ -30,6 +33,7 @@ from railgrip.report.console import complain, show_table
 from railgrip.report.junit import junit_xml
 from railgrip.report.results import read_results
 from railgrip.scenario.campaign import load_campaign
+from railgrip.simulate.user_parts import call_user_code
 from railgrip.studies.study import headlines
 
 REGRESS = Path("build/regress")
@@ -56,6 +60,8 @@ def regress(
     if junit is not None:  # the report of an earlier run must not stay if this one fails
         write_text(junit, junit_xml({"regress": {"regress": "did not run to its end; see the output of the command"}}))
     files = {path: load_baseline(path) for path in _baseline_files(baselines)}
+    # Worker processes that start from here on find these modules, too.
+    modules = {path: _headlines_of(path.parent / one.module) for path, one in files.items() if one.module is not None}
     if across_compilers:
         files = {path: each.across_compilers() for path, each in files.items() if each.campaign is not None}
         if not files:
@@ -64,7 +70,11 @@ def regress(
     code = 0
     with shared_pool(workers):
         for path, baseline in files.items():
-            problem, findings = _numbers_of(baseline, path, out / path.stem, workers, import_from or ())
+            if path in modules:
+                problem, findings = 0, Findings(values=tuple(modules[path]()))
+                write_findings(findings, out / path.stem)
+            else:
+                problem, findings = _numbers_of(baseline, path, out / path.stem, workers, import_from or ())
             found[path] = compare(baseline, findings)
             code = problem or code
             if not found[path]:
@@ -135,6 +145,16 @@ def _numbers_of(
     findings = headlines(str(baseline.study), workers=workers)
     write_findings(findings, out)
     return 0, findings
+
+
+def _headlines_of(file: Path) -> Callable[[], list[Finding]]:
+    sys.path.append(str(file.parent.resolve()))
+
+    def failed(problem: str) -> ScenarioError:
+        return ScenarioError(f"{file}: {problem}; the module of a baseline must have headlines(), a list of Finding")
+
+    headlines_of_file = call_user_code(lambda: import_module(file.stem).headlines, failed)
+    return lambda: call_user_code(headlines_of_file, failed)
 
 
 def _baseline_files(folder: Path) -> list[Path]:

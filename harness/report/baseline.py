@@ -11,7 +11,8 @@ A baseline file gives, for each stop or figure, the accepted value, its toleranc
     reason = "First calibration."
 
 For a long campaign the file may select stops by patterns, `stops = ["*-slope_seeking"]`. The name of a study, `study =
-"lateral"`, replaces the campaign file if the numbers are those of a study.
+"lateral"`, replaces the campaign file if the numbers are those of a study, and a Python file, `module = "mine.py"`, if
+its function `headlines()` returns them as a list of `Finding`.
 
 A distance that depends on rounding (see `railgrip.scenario.conditioning`) is accepted as a range: `value` is the median
 of the repeats, `lowest` and `highest` are the ends of the range, and `tolerance` is the permitted excess beyond an end.
@@ -132,12 +133,13 @@ class Baseline(Table):
     campaign: str | None = Field(default=None, description="campaign file, relative to the folder of this file")
     stops: tuple[str, ...] = Field(default=(), description="patterns of the stops of the campaign; all without it")
     study: str | None = Field(default=None, description="name of a study of railgrip.studies")
+    module: str | None = Field(default=None, description="Python file with headlines(), likewise relative")
     accepted: dict[str, AcceptedValue] = Field(default={}, description="name of a stop or figure → accepted value")
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        if (self.campaign is None) == (self.study is None):
-            raise table_error("must have either campaign, the file of one, or study, the name of one")
+        if [self.campaign, self.study, self.module].count(None) != 2:
+            raise table_error("must have either campaign, the file of one, or study, the name of one, or module")
         return self
 
     def selection(self, campaign: Campaign) -> Campaign:

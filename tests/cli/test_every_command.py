@@ -89,7 +89,6 @@ COMMANDS = {
     "study attribution --quick": "attribution.csv",
     "study benefit vt642 --quick": "gains.csv",
     "study benefit emu387 --measures sand --line leaves --controller slip_two_state --draws 2 --write": "gains.csv",
-    "study brake_pipe --quick": "index.html",
     "study certificate --cases 1 --write": "certificate.csv",
     "study certificate --quick": "certificate.csv",
     "study estimators --estimator constant --train emu387 --cases 2 --sealed": "index.html",
@@ -181,7 +180,7 @@ ELSEWHERE = {
 """Target, command or option → the test that runs it."""
 
 WHOLE = {
-    "--write": ("attribution", "brake_pipe", "estimators", "filter_consistency", "fleet", "optimum", "papers", "trains",
+    "--write": ("attribution", "estimators", "filter_consistency", "fleet", "optimum", "papers", "trains",
                 "lateral", "axle_box", "roller_rig", "field_test"),
     "--cases": ("attribution",),
     "--gain-cases": ("attribution",),

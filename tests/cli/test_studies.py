@@ -186,7 +186,7 @@ def test_a_digest_has_all_studies_whose_code_a_study_runs():
     for study, imported in found.items():
         assert imported <= studies_used(study, folder), study
     assert "pad_monitor" in found["fleet"]
-    assert "trains" in found["brake_pipe"]
+    assert "trains" in found["benefit"]
 
 
 @pytest.mark.parametrize(
@@ -202,16 +202,28 @@ def test_a_digest_has_all_studies_whose_code_a_study_runs():
         ("studies/study.py", False),
         ("report/page.py", False),
         ("base/units.py", True),
+        ("../pages/mine.py", True),
+        ("../pages/near.py", True),
+        ("../pages/other.py", False),
     ],
 )
-def test_a_digest_changes_with_every_file_of_the_studies_that_are_used(tmp_path, monkeypatch, changed, moves):
+@pytest.mark.parametrize("study", ["fleet", Path("pages/mine.py")])
+def test_a_digest_changes_with_every_file_of_the_studies_that_are_used(tmp_path, monkeypatch, study, changed, moves):
     texts = {
         "studies/fleet.py": "from railgrip.studies.pads.life import live\nfrom railgrip.studies.study import Study\n",
         "studies/pads/life.py": "def live():\n    import railgrip.studies.rig as rig\n",
         "studies/rig.py": "from railgrip.studies import fleet\n",
+        "../pages/mine.py": "import near\n",
+        "../pages/near.py": "from railgrip.studies.fleet import Fleet\n",
     }
     others = ("fleet.toml", "pads/library/life.toml", "other.py", "fleet_of_ships.py", "study.py")
-    for name in (*texts, *(f"studies/{name}" for name in others), "report/page.py", "base/units.py"):
+    for name in (
+        *texts,
+        *(f"studies/{name}" for name in others),
+        "report/page.py",
+        "base/units.py",
+        "../pages/other.py",
+    ):
         path = tmp_path / "railgrip" / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(texts.get(name, ""))
@@ -220,6 +232,7 @@ def test_a_digest_changes_with_every_file_of_the_studies_that_are_used(tmp_path,
     monkeypatch.setattr(
         "railgrip.campaign.run.import_module", lambda name: SimpleNamespace(__path__=[str(tmp_path / name)])
     )
-    before = sources_digest.__wrapped__("fleet")
+    monkeypatch.chdir(tmp_path)
+    before = sources_digest.__wrapped__(study)
     (tmp_path / "railgrip" / changed).open("a").write("\n")
-    assert (sources_digest.__wrapped__("fleet") != before) == moves
+    assert (sources_digest.__wrapped__(study) != before) == (moves and not (study == "fleet" and "pages" in changed))

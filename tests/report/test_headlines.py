@@ -15,10 +15,10 @@ BASELINES = Path(__file__).parents[1] / "baselines"
 def test_every_baseline_can_be_run_and_accepts_a_figure(path):
     baseline = load_baseline(path)
     assert baseline.accepted
-    if baseline.campaign is None:
+    if baseline.study is not None:
         assert baseline.study in names()
     else:
-        assert (path.parent / baseline.campaign).exists()
+        assert (path.parent / (baseline.campaign or str(baseline.module))).exists()
 
 
 @pytest.mark.parametrize("study", names())

@@ -3,6 +3,7 @@
 import tomllib
 
 import pytest
+from pipe_fronts import freight_row, freight_train
 from sampling import FUZZ, sample
 
 from railgrip.fmus.native.dae import read
@@ -10,7 +11,6 @@ from railgrip.fmus.native.package import sources
 from railgrip.fmus.native.system import explicit
 from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.rolling_stock.schema import load_train, train_of
-from railgrip.studies.brake_pipe import freight_row, freight_train
 
 WAGONS = sample((2, 10, 20, 40), 1)
 PERMISSIBLE = 240.0
@@ -20,7 +20,7 @@ Decision 2006/861/EC (TSI WAG), 4.2.3.5."""
 
 @pytest.fixture(scope="module", params=WAGONS)
 def stop(request):
-    return freight_row(request.param)
+    return freight_row(request.param) | {"wagons": request.param}
 
 
 def test_a_freight_train_stops_where_the_hand_calculation_says(stop):
