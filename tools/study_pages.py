@@ -85,8 +85,11 @@ def execute(page: Path, out: Path, *, quick: bool = False) -> Path:
 def run(cell: Cell, names: dict[str, Any], file: str) -> tuple[str, Any]:
     """Run a code cell; return its output and the value of its last expression, or None."""
     tree = ast.parse("\n" * cell.before + cell.content, file)
-    last = tree.body.pop() if tree.body and isinstance(tree.body[-1], ast.Expr) else None
+    last = tree.body[-1] if tree.body else None
+    shown = ast.Expression(last.value) if isinstance(last, ast.Expr) else None
+    if shown is not None:
+        tree.body.pop()
     with redirect_stdout(StringIO()) as printed:
         exec(compile(tree, file, "exec"), names)
-        value = eval(compile(ast.Expression(last.value), file, "eval"), names) if last else None
+        value = eval(compile(shown, file, "eval"), names) if shown is not None else None
     return printed.getvalue().strip(), value

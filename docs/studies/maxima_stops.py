@@ -1,19 +1,31 @@
-"""Stops on rails that slip cleans and heats, and the flash temperature of the contact."""
+"""Stops on rails that slip cleans and heats, the shortest known stops there, and the flash temperature."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 import railgrip as rg
 from railgrip.base.arrays import Vector
+from railgrip.scenario.file import merge
+from railgrip.scenario.load import scenario_of
 from railgrip.scenario.surface import named_set
-from railgrip.studies.optimum import LAWS
-from railgrip.studies.papers.creep_curves import OWN_WAY, RAILS, curves, maxima
+from railgrip.simulate.ideal import held_stop
+from railgrip.simulate.run import run_stop
+from railgrip.studies.papers.creep_curves import CLEAN, OWN_WAY, RAILS, curves, maxima
 from railgrip.studies.papers.creep_curves import SLIPS as STEADY_SLIPS
+from railgrip.studies.type_test.entrants import LIBRARY, entrants, train_of
 
 CAUSES = {"film alone": (), "heat": ("temperature_loss",), "cleaning": ("recovery",),
           "cleaning and heat": ("temperature_loss", "recovery")}  # fmt: skip
 """Keys of the creep curve that are switched on."""
+
+LAWS: Mapping[str, Mapping[str, Any]] = {
+    "slip up to 5 %": {"kind": "slip_two_state", "parameters": {"low": 0.035, "high": 0.05}},
+    "slip of 20 to 30 %": {"kind": "slip_two_state", "parameters": {"low": 0.20, "high": 0.30}},
+    "full brake": {"kind": "full_brake"},
+}
+"""Laws, one for each maximum and one that locks the wheels."""
 
 
 def stop_of(rail: str, causes: str, law: str) -> rg.Stop:
@@ -93,3 +105,65 @@ def mean_rise(peclet: float, cells: int = 128) -> float:
 def interpolated_rise(peclet: float) -> float:
     """Return the same by `RailBraking.Contact.flashResistance`."""
     return 1.2204 / np.sqrt(np.pi * (0.658 + peclet))
+
+
+KNOWN: Mapping[str, Mapping[str, Any]] = {
+    "dry": {"adhesion.mu0": 0.05},
+    "dry that slip cleans": {"adhesion.mu0": 0.05, "adhesion.recovery": CLEAN.model_dump()},
+    "wet, cleaning and heat": {"adhesion.polach": "wet_two_maxima", "adhesion.mu0": 0.15},
+    "leaves, cleaning and heat": {"adhesion.polach": "leaves_two_maxima", "adhesion.mu0": 0.06},
+}
+"""Known rails: changes of the scenario `plain`."""
+
+SLIPS = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0)
+"""Slips that a group may hold."""
+
+
+def shortest_held(scenario: rg.Scenario, groups: int, held: Sequence[float]) -> tuple[float, Sequence[float]]:
+    """Return the distance and the slips of the shortest stop in which each group holds one of some slips.
+
+    From locked wheels on, the slip of one group after the other is chosen, the last one first: its slip matters to no
+    other.
+    """
+    slips = [1.0] * groups
+    distance = held_stop(scenario, slips).metrics.distance
+    for group in reversed(range(groups)):
+        for slip in held:
+            changed = [*slips[:group], slip, *slips[group + 1 :]]
+            other = held_stop(scenario, changed).metrics.distance
+            if other < distance:
+                distance, slips = other, changed
+    return distance, slips
+
+
+def shortest_row(rail: str, held: int = len(SLIPS)) -> dict[str, Any]:
+    """Return the distances [m] of the bound, of held slips, the first ones of `SLIPS`, and of laws."""
+    changes = {**KNOWN[rail], "limits.alpha_max": 1.0, "limits.horizon": "200 s"}
+    without = {**changes, "estimator": {"kind": "none"}}
+    bound = rg.run(rg.Scenario.load("plain", {**without, "controller.kind": "ideal_bound"}))
+    full = rg.Scenario.load("plain", {**without, "controller.kind": "full_brake"})
+    distance, slips = shortest_held(full, bound.trace.sizes["group"], SLIPS[:held])
+    stops = {law: {**without, "controller": dict(table)} for law, table in LAWS.items()}
+    # These laws use the estimates of the scenario.
+    stops |= {law.replace("_", " "): {**changes, "controller.kind": law} for law in ("slope_seeking", "two_maxima")}
+    return {
+        "ideal bound": bound.metrics.distance,
+        "held slips": distance,
+        "slips held": ", ".join(f"{100 * slip:.0f} %" for slip in slips),
+    } | {law: rg.run(rg.Scenario.load("plain", each)).metrics.distance for law, each in stops.items()}
+
+
+_CLEANED: Mapping[str, Any] = {
+    "name": "cleaned_rail",
+    "seed": 5501,
+    "start": {"speed": 80 / 3.6},
+    "limits": {"horizon": 250.0},
+    "adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.05, "recovery": CLEAN.model_dump()},
+}
+
+
+def in_service(law: str) -> dict[str, float]:
+    """Return the distance of a law of version 2 of the type test on the dry rail that slip cleans [m], or NaN."""
+    tables = merge(merge(train_of(None), _CLEANED), entrants(2)[law].tables)
+    scenario = scenario_of(tables, directory=LIBRARY, origin=f"cleaned rail, {law}")
+    return {"distance": run_stop(scenario).metrics.distance}

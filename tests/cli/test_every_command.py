@@ -98,7 +98,6 @@ COMMANDS = {
     "study filter_consistency --quick": "index.html",
     "study fleet --quick": "index.html",
     "study k_factors vt642 --quick": "k_factors.json",
-    "study optimum --quick": "optimum.csv",
     "study pad_monitor --quick": "index.html",
     "study papers --quick": "index.html",
     "study stop_at_target --draws 1 --sets 0 --write": "errors.csv",
@@ -180,7 +179,7 @@ ELSEWHERE = {
 """Target, command or option → the test that runs it."""
 
 WHOLE = {
-    "--write": ("attribution", "estimators", "filter_consistency", "fleet", "optimum", "papers", "trains",
+    "--write": ("attribution", "estimators", "filter_consistency", "fleet", "papers", "trains",
                 "lateral", "axle_box", "roller_rig", "field_test"),
     "--cases": ("attribution",),
     "--gain-cases": ("attribution",),

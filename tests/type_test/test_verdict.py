@@ -6,7 +6,6 @@ import pytest
 from rows import row_of
 
 from railgrip.report.limits import limits_of
-from railgrip.studies.optimum import laws_in_service
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import entrants
 from railgrip.studies.type_test.family import losses_of, rail_of, recommendation, verdict
@@ -152,10 +151,3 @@ def test_every_case_has_one_kind_of_rail():
     kinds = {rail_of(case.variants()) for case in VERSIONS[2].design(432, VERSIONS[2].test)}
     assert "cleaned by passing wheels and slip strongly" in kinds
     assert len(kinds) == 9  # with and without passing wheels, four kinds of slip, and Table 1
-
-
-def test_laws_on_the_cleaned_rail_are_ordered_and_one_that_does_not_stop_is_last():
-    rows = [("two_maxima", 110.0), ("fuzzy_slip", math.nan), ("slope_seeking", 100.0)]
-    table, sentence = laws_in_service([{"law": law, "distance": distance} for law, distance in rows])
-    assert [row["law"] for row in table.rows] == ["slope_seeking", "two_maxima", "fuzzy_slip"]
-    assert "two_maxima stops in 110.0 m, 1.100 of the shortest of the other laws, slope_seeking" in sentence
