@@ -151,7 +151,7 @@ def run(lines, time):
     return [state["y"], state["z"], *state["x"]]
 
 
-@pytest.mark.parametrize("seed", sample(range(30), 10))
+@pytest.mark.parametrize("seed", [seed for seed in sample(range(500), 10) if seed not in (118, 252)])  # too long
 def test_random_algorithms_have_the_values_of_their_execution(tmp_path, seed):
     draw = random.Random(seed)
     readable = ["y", "z", "x[1]", "x[2]", "t"]
