@@ -120,7 +120,7 @@ headlines: conditioning discretisation  ## all numbers of the table anew, into b
 	$(RUN) tools validation
 
 validation: $(READY)  ## write the accepted braking distances into docs/validation.md
-	$(RUN) tools validation
+	$(RUN) tools validation $(OPTIONS)
 
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
 	$(PROGRAM) maintain regress --baselines $(BASELINES)

@@ -23,6 +23,7 @@ from validation import (
     distances_figure,
     steps_table,
     tolerances_table,
+    with_distances,
 )
 
 from railgrip.base.errors import EstimationError, InputError, ScenarioError
@@ -34,8 +35,9 @@ from railgrip.campaign.work import work
 from railgrip.cli.app import BASELINES, Fresh, ImportFrom, Workers, command_of, program
 from railgrip.cli.campaigns import run_campaigns
 from railgrip.fmus.build import choose
-from railgrip.report.baseline import Baseline, load_baseline
+from railgrip.report.baseline import Baseline, load_baseline, write_baseline
 from railgrip.report.console import answer, progress, say, show_table
+from railgrip.report.results import read_results
 from railgrip.report.style import save
 from railgrip.report.table import ReportTable, write_tables, yes_no
 from railgrip.scenario.campaign import Campaign, load_campaign
@@ -61,8 +63,16 @@ FOREIGN = Path("docs/foreign_fmus.md")
 def validation(
     baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
     docs: Annotated[Path, typer.Option(help="Folder of the pages.")] = Path("docs"),
+    openmodelica: Annotated[
+        Path | None,
+        typer.Option(help="Folder of the results of `make regress-omc`, whose distances the baselines get before."),
+    ] = None,
 ) -> None:
     """Write the accepted distances into the documentation."""
+    if openmodelica is not None:
+        for path in [baselines / f"{name}.toml" for name in TABLES]:
+            found = read_results(openmodelica / path.stem)
+            write_baseline(with_distances(_baseline_of_campaign(path), found), path)
     path = baselines / f"{BASELINE}.toml"
     accepted = _baseline_of_campaign(path)
     figure, numbers = distances_figure(load_campaign(path.parent / str(accepted.campaign)), accepted)

@@ -12,10 +12,11 @@ import pandas
 from matplotlib.figure import Figure
 
 from railgrip.base.errors import ScenarioError
-from railgrip.report.baseline import ACROSS_COMPILERS, AcceptedValue, Baseline
+from railgrip.report.baseline import ACROSS_COMPILERS, AcceptedValue, Baseline, findings_of
 from railgrip.report.campaign_figures import overview_figure
 from railgrip.report.frame import Frame, StatedDistance
 from railgrip.report.reference import label, locked_text, references
+from railgrip.report.results import Results, from_elsewhere
 from railgrip.report.statistics import median_interval, on_common, rank
 from railgrip.report.table import ReportTable, names, percent, text
 from railgrip.scenario.campaign import Campaign, PlannedStop
@@ -266,6 +267,23 @@ def tables_of_cases(campaign: Campaign, baseline: Baseline) -> dict[str, ReportT
     columns = dict.fromkeys(column for row in rows.values() for column in row)
     table = [{"case": case} | {column: row.get(column, "") for column in columns} for case, row in rows.items()]
     return {"distances": ReportTable(table, left=("case",))}
+
+
+def with_distances(baseline: Baseline, results: Results) -> Baseline:
+    """Return a baseline with the distances of results with FMUs of OpenModelica; ranges are extended by them.
+
+    Raises:
+        ScenarioError: All FMUs of the results are from the built-in compiler.
+    """
+    if not from_elsewhere(results.stops):
+        raise ScenarioError(f"{results.name}: its FMUs are those of the built-in compiler; run `make regress-omc`")
+    accepted = dict(baseline.accepted)
+    for finding in findings_of(results).values:
+        if (one := accepted.get(finding.name)) is not None and finding.value is not None:
+            distance = round(finding.value, 3)
+            known = (*(one.compilers.get("openmodelica", ()) if one.is_range else ()), distance)
+            accepted[finding.name] = one.model_copy(update={"compilers": {"openmodelica": (min(known), max(known))}})
+    return baseline.model_copy(update={"accepted": accepted})
 
 
 def compilers_table(*accepted: tuple[Campaign, Baseline]) -> ReportTable:

@@ -149,16 +149,20 @@ class Baseline(Table):
     def across_compilers(self) -> Self:
         """Return the baseline for FMUs of another compiler.
 
-        A stop may have any distance between those that the compilers are known to give, and `ACROSS_COMPILERS` beyond;
-        a stop whose distance depends on rounding may also exceed the range by a quarter, as in another run of one
-        compiler. Figures are not compared: their tolerances apply to the built-in compiler's plant.
+        A stop may have a distance within `ACROSS_COMPILERS` of the accepted one. If the compilers are known to differ
+        by more, or its distance depends on rounding, it may have any distance between those known, and
+        `ACROSS_COMPILERS` beyond; the latter may also exceed the range by a quarter, as in another run of one compiler.
+        Figures are not compared: their tolerances apply to the built-in compiler's plant.
         """
         wide: dict[str, AcceptedValue] = {}
         for name, accepted in self.accepted.items():
-            low, high = (
-                choose(accepted.ends + tuple(end for ends in accepted.compilers.values() for end in ends))
-                for choose in (min, max)
+            known = accepted.ends + tuple(
+                end
+                for ends in accepted.compilers.values()
+                for end in ends
+                if accepted.is_range or abs(end - accepted.value) > ACROSS_COMPILERS * accepted.value
             )
+            low, high = min(known), max(known)
             middle, half = (low + high) / 2, (high - low) / 2
             beyond = max(ACROSS_COMPILERS * high, half / 2 if accepted.is_range else 0.0)
             wide[name] = accepted.model_copy(update={"value": middle, "tolerance": half + beyond, "figures": {}})
@@ -393,7 +397,9 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
             update["tolerance"] = min(before.tolerance, SMOOTH)
         if finding.repeated is not None:
             ends = {other: finding.repeated.ends_of(other) for other in finding.repeated.compilers}
-            update["compilers"] = {other: pair for other, pair in ends.items() if math.isfinite(pair[1])}
+            update["compilers"] = before.compilers | {
+                other: pair for other, pair in ends.items() if math.isfinite(pair[1])
+            }
         after[name] = before.model_copy(update=update)
     return baseline.model_copy(update={"accepted": after})
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from validation import with_distances
 
 from railgrip.base.errors import ScenarioError
 from railgrip.report.baseline import (
@@ -149,7 +150,8 @@ def test_figures_read_back_and_are_written_as_accepted(tmp_path):
 def test_distances_agree_across_compilers_to_half_a_percent():
     """The law as printed stopped in 324.3 m with the built-in compiler and in 279.8 m with OpenModelica, 1e-7 apart."""
     differing = metres(324.3, 0.38, compilers={"openmodelica": (279.8, 279.8)})
-    wide = baseline(plain=metres(380.0, 0.38), differing=differing).across_compilers()
+    plain = metres(380.0, 0.38, compilers={"openmodelica": (381.0, 381.0)})
+    wide = baseline(plain=plain, differing=differing).across_compilers()
 
     def found(**distances: float) -> dict[str, str]:
         return states(
@@ -171,6 +173,22 @@ def test_the_value_of_another_compiler_is_kept_when_the_distance_moves(tmp_path)
     after = accept(before, stop_with(), "Another law.")
     assert after.accepted[SBC].compilers == {"openmodelica": (279.8, 280.1)}
     assert read_back(after, tmp_path) == after
+
+
+def test_distances_of_another_compiler_are_added_to_the_baseline(results):
+    """A range is extended; a single distance is replaced."""
+    found = {name: round(distance(results, name), 3) for name in (SBC, FULL)}
+    known = {"openmodelica": (279.8, 280.1)}
+    before = baseline(
+        sbc=metres(281.0, 0.3, lowest=280.0, highest=282.0, compilers=known), full=metres(280.0, 0.3, compilers=known)
+    )
+    with pytest.raises(ScenarioError, match=r"are those of the built-in compiler; run `make regress-omc`"):
+        with_distances(before, results)
+    versions = {"TwoPartTrain.fmu": "OpenModelica Compiler v1.27.0"}
+    elsewhere = replace(results, stops=tuple(replace(stop, versions=versions) for stop in results.stops))
+    after = with_distances(before, elsewhere).accepted
+    assert after[SBC].compilers["openmodelica"] == (min(279.8, found[SBC]), max(280.1, found[SBC]))
+    assert after[FULL].compilers["openmodelica"] == (found[FULL], found[FULL])
 
 
 def test_distances_of_another_compiler_beyond_half_a_percent_are_reported(results, tmp_path):
