@@ -169,6 +169,7 @@ ELSEWHERE = {
     "export --platforms": "fmus/test_under_wine.py",
     "maintain regress --across-compilers": "cli/test_regression.py",
     "tools conditioning --import-from": "test_own_classes.py",
+    "tools validation --openmodelica": "report/test_baselines.py",
     "study etcs --line": "etcs/test_etcs_command.py",
     "study etcs --national": "etcs/test_etcs_command.py",
     "study estimators --tune": "estimators/test_estimator_study.py",
