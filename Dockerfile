@@ -8,7 +8,8 @@ ARG OPENMODELICA=1.27.0
 ARG DEBIAN_FRONTEND=noninteractive
 SHELL ["/bin/bash", "-o", "pipefail", "-c"]
 
-# As OpenModelica's own images install a release. omc calls cmake, make, clang and zip to make the binary of an FMU.
+# As OpenModelica's own images install a release. omc calls cmake, make, zip and the C compiler that it
+# was built with, clang or gcc, to make the binary of an FMU.
 RUN apt-get update -q \
     && apt-get install -qy --no-install-recommends ca-certificates curl git gnupg make python3 python3-venv \
     && curl -fsSL https://build.openmodelica.org/apt/openmodelica.asc \
@@ -16,7 +17,7 @@ RUN apt-get update -q \
     && echo "deb [arch=amd64 signed-by=/usr/share/keyrings/openmodelica-keyring.gpg] https://build.openmodelica.org/omc/builds/linux/releases/${OPENMODELICA}/ noble release" \
        > /etc/apt/sources.list.d/openmodelica.list \
     && apt-get update -q \
-    && apt-get install -qy --no-install-recommends omc clang cmake zip \
+    && apt-get install -qy --no-install-recommends omc clang gcc libc6-dev cmake zip \
     && rm -rf /var/lib/apt/lists/*
 
 COPY pyproject.toml setup.py README.md LICENSE /usr/src/railgrip/
