@@ -284,6 +284,8 @@ class TrackBrake(SourcedTable):
 
     is_dynamic: ClassVar[bool] = False
     instance: ClassVar[str] = "track_brake"
+    speed_max: ClassVar[float] = 56.0
+    """Speed above which the plant does not lower it [m/s], its v_max."""
 
     magnets: Annotated[StrictInt, Field(ge=1, le=8)] = Field(description="number of magnets on the bogie")
     attraction: Attraction = Field(description="force that attracts one magnet to the rail")
@@ -437,6 +439,7 @@ class EddyCurrentRail(_EddyCurrent):
 
     instance: ClassVar[str] = "eddy_current"
     delay: ClassVar[float] = 0.0
+    speed_max: ClassVar[float] = np.inf
     kind: Literal["eddy_current_rail"]
 
 

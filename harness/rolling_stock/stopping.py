@@ -117,6 +117,7 @@ def _stop_of(data: _Data, speed: float, developed: bool, dynamic: bool) -> HandC
     build_up = _PressureBuildUp(train, speed)
     head_start = inf if developed else 0.0
     v, s, t, taken = speed, 0.0, 0.0, 0.0
+    since = np.zeros(len(kinds))  # when they could be lowered
     adhesion, joints = np.zeros(mass.size), np.zeros(len(train.cars) - 1)
     history: list[Vector] = []
     car_mass = cars @ (mass + turning)
@@ -124,7 +125,9 @@ def _stop_of(data: _Data, speed: float, developed: bool, dynamic: bool) -> HandC
         now = t + _STEP / 2 + head_start  # forces in the middle of a step
         friction, electric = rims.at(v, build_up.share(now, v), inf if developed else _STEP)
         braking = friction + electric + rolling
-        rail = np.array([_rail_force(kind, v, now) for kind in kinds], dtype=float)[kind_of_rail]
+        since = np.where([v > kind.speed_max for kind in kinds], t + _STEP, since)
+        each = [_rail_force(kind, v, now - begin) for kind, begin in zip(kinds, since.tolist(), strict=True)]
+        rail = np.array(each, dtype=float)[kind_of_rail]
         drag = _drag(train, v)
         deceleration = (float(braking.sum()) + float(rail.sum()) + drag) / inert
         adhesion = np.maximum(adhesion, shares @ (braking - turning * deceleration))
@@ -193,12 +196,14 @@ def scattered_distances(train: Train, speed: float, deviations: Mapping[str, Mat
     on_rail = [(brake, bogie.axles[0]) for bogie, _, brake in train.rail_brakes]
     build_up = _PressureBuildUp(train, speed)
     v, s, t = np.full(len(inert), speed), np.zeros(len(inert)), 0.0
+    since = np.zeros((len(on_rail), len(inert)))  # when they could be lowered
     while v.any():
         now = (t + _STEP / 2) / slower
         pads = _pad_force(brakes, build_up.share(now, v[:, None]) * brakes["pressure_max"])
         force = _friction_force(brakes, v[:, None], pads).sum(axis=1) + rolling + _drag(train, v)
-        for brake, axle in on_rail:
-            force += deviations["track_brake"][:, axle] * _rail_force(brake, v, now[:, axle])
+        for place, (brake, axle) in enumerate(on_rail):
+            since[place] = np.where(v > brake.speed_max, (t + _STEP) / slower[:, axle], since[place])
+            force += deviations["track_brake"][:, axle] * _rail_force(brake, v, now[:, axle] - since[place])
         deceleration = force / inert
         last = deceleration * _STEP >= v
         step = np.where(last, v / np.maximum(deceleration, 1e-12), _STEP)
@@ -520,7 +525,8 @@ class _StageRelays:
 
 def _rail_force(brake: RailBrake, speed: Any, time: Any) -> Any:
     """Return the force of a bogie's brakes on the rail [N], `time` [s] after the demand; numbers or arrays."""
-    return -np.expm1(-np.maximum(time - brake.delay, 0.0) / brake.time_constant) * brake.force_at(speed)
+    developed = -np.expm1(-np.maximum(time - brake.delay, 0.0) / brake.time_constant)
+    return developed * (speed <= brake.speed_max) * brake.force_at(speed)
 
 
 _BRAKE = ("piston_area", "rigging", "efficiency", "spring_force", "pressure_max", "pad_friction")

@@ -323,7 +323,6 @@ def _noise(table: KalmanFilter, *, has_ideal_sensors: bool) -> NoiseSet:
 
 
 _STANDING = 0.1  # m/s, below which friction falls to 0 linearly, as in RailBraking.Components.MagneticTrackBrake
-_FASTEST_MAGNETS = 56.0  # m/s, above which that does not lower magnets
 _DELAY_PERIOD = 0.01  # s, of its RailBraking.Pneumatics.DelayLine
 
 
@@ -352,7 +351,7 @@ def _formula(train: Train, period: float) -> SampledSystem:
         before = draft.state("applied", "1", "1 once the brakes have been applied")
         applied = either(before > 0.5, braking > 0.5)
         draft.keep(before, choose(applied, 1.0, 0.0))
-        on_magnets = choose(every(applied, magnets > 0.5, speed <= _FASTEST_MAGNETS), 1.0, 0.0)
+        on_magnets = choose(every(applied, magnets > 0.5, speed <= TrackBrake.speed_max), 1.0, 0.0)
         on_eddy_currents = choose(every(applied, emergency > 0.5), 1.0, 0.0)
     for number, (*_, brake) in enumerate(train.rail_brakes, start=1):
         lagged = draft.state(f"lagged[{number}]", "1", "field over the full one, or force of an eddy-current brake [N]")
