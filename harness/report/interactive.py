@@ -4,6 +4,7 @@ Plotly's own converter, `plotly.tools.mpl_to_plotly`, drops shaded bands, bars, 
 """
 
 import re
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, cast
@@ -65,10 +66,12 @@ def interactive(drawing: Figure) -> Plot:
     """
     drawing.draw_without_rendering()  # lays out panels, ticks and legends
     plot = _Plot()
-    for axes in drawing.axes:
-        plot.add(axes)
-    for legend in drawing.legends:
-        plot.add_legend(legend, {})
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph")  # a browser has more letters than the font of figures
+        for axes in drawing.axes:
+            plot.add(axes)
+        for legend in drawing.legends:
+            plot.add_legend(legend, {})
     plot.annotations += [_note(text, text.get_position()) for text in drawing.texts if text.get_text()]
     width, height = drawing.get_size_inches()
     lowest = min((panel.get_position().height for panel in drawing.axes), default=1.0)

@@ -1,8 +1,10 @@
 """Style of all figures: colours, sizes and helpers; without pyplot, whose state is global."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, cast
+from unicodedata import bidirectional
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -10,7 +12,9 @@ from matplotlib.axis import Axis, Tick
 from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
+from matplotlib.ticker import FuncFormatter
 
 from railgrip.base.files import replacing
 from railgrip.report.palette import BLACK
@@ -26,8 +30,31 @@ def readable(unit: str) -> tuple[float, str]:
     return _READABLE.get(unit, (1.0, unit))
 
 
+@cache
+def advance(character: str) -> float | None:
+    """Return the width of a character over the size of the font of figures; None if it cannot be drawn.
+
+    Right-to-left scripts have glyphs, which would be drawn from left to right and unjoined.
+    """
+    font = get_font(findfont(FontProperties(family="DejaVu Sans")))
+    font.set_size(_SIZE, 72)
+    if ord(character) not in font.get_charmap() or bidirectional(character) in ("R", "AL"):
+        return None
+    return font.load_char(ord(character)).linearHoriAdvance / 65536 / _SIZE
+
+
+_SIZE = 100
+
+
+def legible(text: str) -> str:
+    """Return a text with the codes of characters that cannot be drawn, which would be boxes."""
+    return "".join(c if c.isspace() or advance(c) is not None else f"[U+{ord(c):04X}]" for c in text)
+
+
 class Drawing(Figure):
     """A figure whose texts are drawn as they are written: matplotlib takes what is between two dollars for a formula.
+
+    Characters that its font lacks are drawn as their codes.
 
     Attributes:
         has_formulas: Whether they are formulas; for figures without texts of the user.
@@ -39,9 +66,24 @@ class Drawing(Figure):
         """Draw the figure; powers of ten on logarithmic axes are always formulas."""
         scales = cast(list[Axis], self.findobj(lambda part: isinstance(part, Axis) and part.get_scale() == "log"))
         powers = {text for scale in scales for tick in scale.findobj(Tick) for text in tick.findobj(Text)}
+        written: dict[str, str] = {}
+
+        def coded(text: str) -> str:
+            written[legible(text)] = text
+            return legible(text)
+
         for text in self.findobj(Text):
             text.set_parse_math(self.has_formulas or text in powers)
+            text.set_text(coded(text.get_text()))
+        ticks = [cast(Axis, axis).get_major_formatter() for axis in self.findobj(Axis)]
+        labels = {each: each.func for each in ticks if isinstance(each, FuncFormatter)}
+        for each, label in labels.items():
+            each.func = lambda x, place, label=label: coded(label(x, place))
         super().draw(renderer)
+        for each, label in labels.items():
+            each.func = label
+        for text in self.findobj(Text):  # a page in a browser has other fonts
+            text.set_text(written.get(text.get_text(), text.get_text()))
 
 
 def figure(width: float, height: float, margins: Mapping[str, float] | None = None) -> Drawing:

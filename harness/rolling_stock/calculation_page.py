@@ -3,21 +3,18 @@
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
-from functools import cache
 from itertools import accumulate, chain
 from pathlib import Path
 from typing import Any, cast
-from unicodedata import bidirectional
 
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.lines import Line2D
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import replacing
 from railgrip.report.page import Page
-from railgrip.report.style import Drawing, panels
+from railgrip.report.style import Drawing, advance, panels
 from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.calculation import PARKING_ADHESION, PARKING_SLOPE, RANGES, MeanStop, parking
 from railgrip.rolling_stock.check import findings
@@ -329,8 +326,7 @@ def _require_glyphs(page: Page, tables: Iterable[ReportTable]) -> None:
     """Raise an error for texts that the PDF would not show as they are written."""
     rows = [row.values() for table in tables for row in table.texts]
     for text in chain([page.title, page.answer, page.provenance["train"]], *rows):
-        # Right-to-left scripts have glyphs, which would be drawn from left to right and unjoined.
-        bad = [c for c in text if not c.isspace() and (_advance(c) is None or bidirectional(c) in ("R", "AL"))]
+        bad = [c for c in text if not c.isspace() and advance(c) is None]
         if bad:
             raise ScenarioError(
                 f"{page.provenance['train']}: calculation.pdf cannot show {bad[0]!r} (U+{ord(bad[0]):04X}) of "
@@ -339,17 +335,8 @@ def _require_glyphs(page: Page, tables: Iterable[ReportTable]) -> None:
             )
 
 
-@cache
-def _advance(character: str) -> float | None:
-    """Return the width of a character over the size of the font; None without a glyph."""
-    font = get_font(findfont(FontProperties(family="DejaVu Sans")))
-    font.set_size(_SIZE, 72)
-    has_glyph = ord(character) in font.get_charmap()
-    return font.load_char(ord(character)).linearHoriAdvance / 65536 / _SIZE if has_glyph else None
-
-
 def _width(text: str) -> float:
-    return sum(_advance(c) or 0.0 for c in text)
+    return sum(advance(c) or 0.0 for c in text)
 
 
 def _wrapped(text: str, width: float) -> list[str]:

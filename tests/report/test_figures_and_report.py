@@ -251,14 +251,19 @@ def test_a_formula_is_written_in_html_on_a_page(formula, shown):
         interactive(drawing)
 
 
-@pytest.mark.parametrize("name", ["costs $5 and $6", r"share $\frac{1}{$ of all", "a < b & c"])
+@pytest.mark.parametrize("name", ["costs $5 and $6", r"share $\frac{1}{$ of all", "a < b & c", "制动 קטר"])
+@pytest.mark.filterwarnings("error:Glyph")
 def test_a_name_is_drawn_as_it_is_written(name):
-    """On paper and on a page, in titles, labels, legends and at ticks; powers of ten remain formulas."""
+    """On paper and on a page, in titles, labels, legends and at ticks; powers of ten remain formulas.
+
+    Characters without a glyph, or of right-to-left scripts, are codes on paper.
+    """
     drawing, axes = style.panels(6, 4)
     axes.semilogx([1, 1e4], [0, 1], label=name)
     style.dress(axes, x=name, y=name, title=name)
     axes.set_yticks([0], [name])
     style.legend(axes)
+    drawing.draw_without_rendering()
     plot = interactive(drawing)
     texts = [text for text in drawing.findobj(Text) if text.get_text() == name]
     assert len(texts) == 6  # two at the tick, one of which is invisible
