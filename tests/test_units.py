@@ -28,6 +28,8 @@ from railgrip.fmus.recipe import MODELICA
         ("J/(kg.K)", "m2.s-2.K-1", 1.0),
         ("N/(km/h)", "kg.s-1", 3.6),
         ("kN/(km/h)2", "kg.m-1", 12960.0),
+        ("daN/(km/h)2", "kg.m-1", 129.6),
+        ("lbf/(mph)^2", "kg.m-1", 4.4482216152605 / 0.44704**2),
         ("N/(m/s)²", "kg.m-1", 1.0),
         ("kg.m2", "kg.m2", 1.0),
         ("mm", "m", 1e-3),

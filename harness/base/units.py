@@ -46,6 +46,7 @@ _PRODUCT = rf"{_TERM}(?:[*.]{_TERM})*"
 _QUOTIENT = re.compile(rf"({_PRODUCT})((?:/(?:{_TERM}|\({_PRODUCT}\)))*)")
 _BY_RATIO = re.compile(rf"/\(({_SYMBOL})/({_SYMBOL})\)(?:\*\*|\^)?([1-9]?)")
 """A division by a power of a ratio, as in `N/(km/h)2`, which is `N*h2/km2`."""
+_BRACKETED = re.compile(rf"/\(({_SYMBOL})\)(?![A-Za-z_(])")
 _POWER = re.compile(rf"({_SYMBOL})(?:\*\*|\^)?([+-]?[1-9])?")
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
 _MAX_LENGTH = 200  # characters of a quantity; the longest unit in any file of this project has 20
@@ -167,7 +168,7 @@ def unit(text: str) -> Unit:
     for spelling, plain in _SPELLINGS.items():
         product = product.replace(spelling, plain)
     product = re.sub(r"\s+", "*", re.sub(r"\s*(\*\*|[*./^()])\s*", r"\1", product))
-    product = _BY_RATIO.sub(r"*\2\3/\1\3", product)
+    product = _BRACKETED.sub(r"/\1", _BY_RATIO.sub(r"*\2\3/\1\3", product))
     match = _QUOTIENT.fullmatch(product or "1") if len(text) <= _MAX_LENGTH else None
     if match is None:
         raise _unknown(text)

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from pydantic import BaseModel
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import shelf
@@ -69,10 +68,3 @@ def test_no_key_of_a_file_is_listed_as_unsupported():
 def test_each_entry_has_an_example_in_this_module():
     covered = {pattern for key in KEYS for pattern in UNSUPPORTED if re.fullmatch(pattern, key)}
     assert covered == UNSUPPORTED.keys()
-
-
-def test_supported_brakes_are_not_explained_away():
-    assert issubclass(Train, BaseModel)
-    for key in ("track_brakes", "dynamic_brake", "blending", "parking_brakes", "dynamic_units"):
-        assert not explain_unsupported(key)
-    assert not explain_unsupported("magnetic_track_brake")
