@@ -204,7 +204,7 @@ def _mat(path: Path) -> Columns:
 
             with h5py.File(path) as file:
                 file.visititems(visit)
-                _require_memory(path, sum(item.size for item in found.values()))
+                _require_memory(path, sum(item.size or 0 for item in found.values()))
                 for name, item in found.items():
                     collect(name, np.asarray(item[()]))
         else:

@@ -1,6 +1,6 @@
 """Style of all figures: colours, sizes and helpers; without pyplot, whose state is global."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, cast
@@ -72,13 +72,16 @@ class Drawing(Figure):
             written[legible(text)] = text
             return legible(text)
 
+        def coded_label(label: Callable[..., str]) -> Callable[[float, int | None], str]:
+            return lambda x, place: coded(label(x, place))
+
         for text in self.findobj(Text):
             text.set_parse_math(self.has_formulas or text in powers)
             text.set_text(coded(text.get_text()))
-        ticks = [cast(Axis, axis).get_major_formatter() for axis in self.findobj(Axis)]
+        ticks = [axis.get_major_formatter() for axis in self.findobj(Axis)]
         labels = {each: each.func for each in ticks if isinstance(each, FuncFormatter)}
         for each, label in labels.items():
-            each.func = lambda x, place, label=label: coded(label(x, place))
+            each.func = coded_label(label)
         super().draw(renderer)
         for each, label in labels.items():
             each.func = label
