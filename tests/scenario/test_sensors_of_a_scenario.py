@@ -167,11 +167,11 @@ def test_a_coarser_loop_reads_at_each_of_its_steps():
 
 def driven(scenario, speed=20.0, seconds=40.0):
     """Readings of a train at constant speed, and the same without errors [rows of LAYOUT]."""
-    sensors = scenario.sensors.open(scenario, LAYOUT, 0.4)
+    sensors, period = scenario.sensors.open(scenario, LAYOUT, 0.4), scenario.periods.communication
     rows = []
-    for k in range(round(seconds / 1e-3)):
+    for k in range(round(seconds / period)):
         truth = np.zeros(LAYOUT.outputs)
-        truth[LAYOUT.output["distance"]], truth[LAYOUT.output["speed"]] = speed * k * 1e-3, speed
+        truth[LAYOUT.output["distance"]], truth[LAYOUT.output["speed"]] = speed * k * period, speed
         rows.append(read(sensors, k, truth))
     return np.array(rows)
 
@@ -183,9 +183,9 @@ def test_dropouts_and_drift_of_a_radar_are_those_of_the_table():
     """
     radar = {"noise": 0, "scale_error": 0, "drift": "1 %", "drift_time": "2 s"}
     radar |= {"dropouts": "25 %", "dropout_time": "0.5 s"}
-    longer = merge(service("1 ms", speed=radar).resolved(), {"limits": {"horizon": "410 s"}})
+    longer = merge(service("5 ms", speed=radar).resolved(), {"limits": {"horizon": "410 s"}})
     rows = driven(scenario_of(longer, directory=LIBRARY, origin="mine"), seconds=400.0)
-    readings = rows[100::50, LAYOUT.reading["speed"].start]
+    readings = rows[20::10, LAYOUT.reading["speed"].start]
     lost = np.isnan(readings)
     assert lost.mean() == pytest.approx(0.25, abs=0.06)
     lengths = np.diff(np.flatnonzero(np.diff(np.concatenate([[0], lost, [0]]).astype(int))))[::2]
