@@ -27,6 +27,7 @@ POSIX_NAMES = {
 POSIX_FILES = {
     "harness/fmi/keeper.py",  # a separate process for a foreign FMU
     "harness/fmi/isolation.py",  # starts that process, and refuses to on other systems
+    "tools/suites.py",  # forks for each class
 }
 
 

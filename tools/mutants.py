@@ -203,7 +203,9 @@ def noticed(mutant: Mutant | None, stops: str, *, only_first: bool = False) -> d
         edit.apply(place / "sources")
     environment = _environment(place)
     command = [sys.executable, __file__, "--stops", stops, "--child", str(place), *(["--first"] if only_first else [])]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, cwd=place / "sources", check=False)
+    done = subprocess.run(
+        command, env=environment, capture_output=True, text=True, encoding="utf-8", cwd=place / "sources", check=False
+    )
     if done.returncode:
         # A copy that does not run yields no verdict on the baselines: the row is wrong.
         raise SystemExit(f"{name}: {done.stderr[-2000:]}")
@@ -237,7 +239,9 @@ def run_copied_tests(place: Path, arguments: Sequence[str]) -> subprocess.Comple
     tests = place / "sources/tests/modelica"
     shutil.copytree(ROOT / "tests/modelica", tests, dirs_exist_ok=True)
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *arguments]
-    return subprocess.run(command, env=_environment(place), capture_output=True, text=True, cwd=tests, check=False)
+    return subprocess.run(
+        command, env=_environment(place), capture_output=True, text=True, encoding="utf-8", cwd=tests, check=False
+    )
 
 
 def regression(place: Path, stops: str, *, only_first: bool) -> dict[str, str]:

@@ -262,7 +262,7 @@ def judge_apart(case: SuiteCase, seconds: float) -> Verdict:
             os.killpg(process.pid, signal.SIGKILL)
         process.join()
         if outcome is None:
-            output = (folder / "output").read_text(errors="replace").strip()
+            output = (folder / "output").read_text(encoding="utf-8", errors="replace").strip()
             outcome = Verdict("crash", f"ended with {process.exitcode}: {output[-300:]}")
     return outcome
 
@@ -274,11 +274,13 @@ def compliance(root: Path, scratch: Path, only: str = "") -> Iterator[SuiteCase]
     """Yield the classes of the compliance library, each with a library of only the files that it names."""
     root = root / "ModelicaCompliance" if (root / "ModelicaCompliance").is_dir() else root
     for file in sorted(root.rglob("*.mo")):
-        marked = re.search(r"TestCase\s*\(\s*shouldPass\s*=\s*(true|false)", file.read_text(errors="replace"))
+        marked = re.search(
+            r"TestCase\s*\(\s*shouldPass\s*=\s*(true|false)", file.read_text(encoding="utf-8", errors="replace")
+        )
         parts = file.relative_to(root).with_suffix("").parts
         if marked is None or file.name == "Template.mo" or not re.search(only, ".".join([root.name, *parts])):
             continue
-        stop = re.search(r"StopTime\s*=\s*([\d.eE+-]+)", file.read_text(errors="replace"))
+        stop = re.search(r"StopTime\s*=\s*([\d.eE+-]+)", file.read_text(encoding="utf-8", errors="replace"))
         yield SuiteCase(
             class_name=".".join([root.name, *parts]),
             libraries=(excerpt(root, file, scratch / "_".join(parts)),),
@@ -296,7 +298,7 @@ def excerpt(root: Path, file: Path, folder: Path) -> Path:
             continue
         files.add(one)
         left += [parent / "package.mo" for parent in one.parents if parent.is_relative_to(root)]
-        words = set(re.findall(r"\w+", one.read_text(errors="replace")))
+        words = set(re.findall(r"\w+", one.read_text(encoding="utf-8", errors="replace")))
         left += [near for near in one.parent.glob("*.mo") if near.stem in words and one.name != "package.mo"]
     for one in files:
         copy = folder / root.name / one.relative_to(root)
@@ -325,23 +327,23 @@ def unchecked(case: SuiteCase, seconds: float) -> str:
     """Return the number of assertions of a right class, and of those that hold when inverted as well."""
     library = case.libraries[0]
     file = library.joinpath(*case.class_name.split(".")[1:]).with_suffix(".mo")
-    text = file.read_text()
+    text = file.read_text(encoding="utf-8")
     places = assertions(text)
     try:
         changed = text
         for number, (begin, ends) in reversed([*enumerate(places)]):
             message = f', "{WARNING} {number} ", AssertionLevel.warning'
             changed = f"{changed[:begin]}not ({changed[begin : ends[0]]}){message}{changed[ends[-1] :]}"
-        file.write_text(changed)
+        file.write_text(changed, encoding="utf-8")
         outcome = judge_apart(case, seconds)
         idle = len(places) - len(outcome.detail.split())
         if outcome.verdict != "right":
             idle = 0
             for begin, ends in places:
-                file.write_text(f"{text[:begin]}not ({text[begin : ends[0]]}){text[ends[0] :]}")
+                file.write_text(f"{text[:begin]}not ({text[begin : ends[0]]}){text[ends[0] :]}", encoding="utf-8")
                 idle += judge_apart(case, seconds).verdict == "right"
     finally:
-        file.write_text(text)
+        file.write_text(text, encoding="utf-8")
     return f"{len(places)} assertions, {idle} check nothing"
 
 
