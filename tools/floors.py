@@ -4,7 +4,7 @@
     python tools/floors.py tests/etcs   measure these again, and write the file from all that were ever measured
 
 `make test` runs all tests but those in the file, which `make test-all` runs. So a new test decides until it has been
-measured, and so do the tests that notice defects of functions that plant and prediction share (tools/mutants.toml).
+measured, and so do the tests that notice mutants (tools/mutants.py) together with the regression.
 What `make test` runs besides tests, the FMUs of the recipes and the regression, needs no test to run it again.
 """
 
@@ -160,7 +160,9 @@ def units(seconds: dict[str, float]) -> dict[str, str]:
 
 
 def required(test: str) -> bool:
-    """Return whether a test must notice a wrong function that plant and prediction share."""
+    """Return whether a test must notice mutants: wrong control laws, or functions that plant and prediction share."""
+    if test.startswith("tests/controllers/test_law_responses.py"):
+        return True
     checks = tomllib.loads((ROOT / "tools/mutants.toml").read_text(encoding="utf-8"))["checks"].values()
     parts = (check.partition(" -k ") for check in checks)
     return any(test.startswith(f"tests/modelica/{file}") and word in test for file, _, word in parts)
