@@ -116,15 +116,6 @@ def packed_again(foundry: Path, folder: Path, rename: Callable[[str], str]) -> P
     return repacked(tiny(foundry), folder / "again.fmu", lambda name, content: (rename(name), content))
 
 
-def test_backslashes_and_a_folder_around_all_files_are_refused_with_the_remedy(foundry: Path, tmp_path: Path):
-    with pytest.raises(
-        FmuError, match=r"'binaries\\.*' of the archive has a backslash, .* with a tool that writes '/'"
-    ):
-        describe(packed_again(foundry, tmp_path, lambda name: name.replace("/", "\\")))
-    with pytest.raises(FmuError, match=r"is in the folder 'Train' of the archive; pack the content of that folder"):
-        describe(packed_again(foundry, tmp_path, lambda name: f"Train/{name}"))
-
-
 def test_paths_that_begin_with_the_present_folder_are_accepted(foundry: Path, tmp_path: Path):
     """A zip of '.' has './modelDescription.xml'; the train steps as in its usual archive."""
     description = describe(packed_again(foundry, tmp_path, lambda name: f"./{name}"))
@@ -158,3 +149,31 @@ def test_a_harmless_defect_is_reported_and_the_fmu_runs(foundry: Path, change: t
     assert plain.blemishes == ""
     assert [*description.variables] == [*plain.variables]
     assert description.states == plain.states
+
+
+def renamed(rename: Callable[[str], str]) -> Callable[[Path, Path], Path]:
+    return lambda foundry, folder: packed_again(foundry, folder, rename)
+
+
+def with_a_wrong_bit(foundry: Path, folder: Path) -> Path:
+    content = bytearray(tiny(foundry).read_bytes())
+    content[content.index(b"fmiModelDescription")] ^= 0xFF  # stored uncompressed by the fixture
+    (folder / "damaged.fmu").write_bytes(content)
+    return folder / "damaged.fmu"
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda _, folder: folder / "absent.fmu", r"absent\.fmu: there is no such file; correct the path, or build it"),
+        (lambda *_: Path(__file__), r"test_fmu_archive\.py: not an FMU: it is not a zip archive"),
+        (with_a_wrong_bit, r"damaged\.fmu: the archive is damaged, 'modelDescription\.xml'"),
+        (renamed(lambda name: name.replace("/tiny.", "/Tiny.")), r"/tiny\.\w+ is missing; .*/Tiny\.\w+\. .* same case"),
+        (renamed(lambda name: name.replace("/", "\\")), r"'binaries\\.*' of the archive has a backslash, .* '/'"),
+        (renamed(lambda name: f"Train/{name}"), r"is in the folder 'Train' of the archive; pack the content"),
+        (lambda foundry, _: tiny(foundry, platform="win32"), r"no binary for this platform, .* has binaries for win32"),
+    ],
+)  # fmt: skip
+def test_a_wrong_archive_is_refused_with_the_remedy(foundry: Path, tmp_path: Path, make, sentence: str):
+    with pytest.raises(FmuError, match=sentence):
+        describe(make(foundry, tmp_path))
