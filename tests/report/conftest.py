@@ -5,6 +5,7 @@ from synthetic import COARSE, LIBRARY
 from synthetic_runner import run_stop
 
 from railgrip.campaign.run import write_description
+from railgrip.report.results import read_results
 from railgrip.report.stop import write_stop
 from railgrip.scenario.campaign import load_campaign
 
@@ -30,3 +31,18 @@ def write_campaign():
         return campaign
 
     return write
+
+
+@pytest.fixture(scope="module")
+def folder(request, tmp_path_factory, write_campaign):
+    """The folder of a campaign: `kept` of the module selects its stops, `CAMPAIGN` is its text."""
+    folder = tmp_path_factory.mktemp("campaign")
+    write_campaign(
+        folder, getattr(request.module, "kept", lambda stop: True), text=getattr(request.module, "CAMPAIGN", "")
+    )
+    return folder
+
+
+@pytest.fixture(scope="module")
+def stops(folder):
+    return {stop.name: stop for stop in read_results(folder).stops}

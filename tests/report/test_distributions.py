@@ -20,7 +20,7 @@ from railgrip.report.index import write_report
 from railgrip.report.results import read_results
 from railgrip.report.statistics import quantile_interval
 
-DRAWS = """
+CAMPAIGN = """
 name = "drawn"
 scenarios = ["{library}/random.toml"]
 [draws]
@@ -151,13 +151,6 @@ def test_a_draw_without_a_standstill_is_longer_than_any_other():
     texts = distribution_table(distributions).texts
     assert texts[0]["worst (draw)"] == "no stop (1)"
     assert texts[0]["draws"] == "5, 2 without stop"
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory, write_campaign):
-    folder = tmp_path_factory.mktemp("drawn")
-    write_campaign(folder, text=DRAWS)
-    return folder
 
 
 def test_controllers_are_compared_with_the_published_and_the_best_tuned_sbc(folder):

@@ -31,19 +31,8 @@ from railgrip.report.results import read_results
 from railgrip.report.style import panels, save
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory, write_campaign):
-    directory = tmp_path_factory.mktemp("readable")
-    kept = {"slip_two_state", "adhesion_based"}
-    write_campaign(
-        directory, lambda stop: stop.variants["controller"] in kept and "sine_sweep-service" not in stop.name
-    )
-    return directory
-
-
-@pytest.fixture(scope="module")
-def stops(folder):
-    return {stop.name: stop for stop in read_results(folder).stops}
+def kept(stop):
+    return stop.variants["controller"] in ("slip_two_state", "adhesion_based") and "sine_sweep-service" not in stop.name
 
 
 @pytest.fixture(scope="module")

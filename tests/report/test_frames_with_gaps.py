@@ -21,7 +21,7 @@ from railgrip.report.results import read_results
 from railgrip.report.statistics import FEWEST_DRAWS, bootstrap_interval, draws_for_interval, quantile_interval
 from railgrip.report.table import ReportTable
 
-MIXED = """
+CAMPAIGN = """
 name = "mixed"
 scenarios = ["{library}/random.toml", "{library}/trapezoid.toml"]
 [draws]
@@ -31,13 +31,6 @@ last = 9007199254740994
 sbc = {{ controller.kind = "slip_two_state" }}
 abc = {{ controller.kind = "adhesion_based" }}
 """
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory, write_campaign):
-    folder = tmp_path_factory.mktemp("mixed")
-    write_campaign(folder, text=MIXED)
-    return folder
 
 
 def test_seeds_beyond_the_integers_of_a_float_stay_exact(folder):

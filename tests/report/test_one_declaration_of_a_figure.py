@@ -33,7 +33,7 @@ railgrip.trace.metrics = module
 
 from synthetic import LIBRARY
 from synthetic_runner import run_stop
-from test_distributions import DRAWS
+from test_distributions import CAMPAIGN as DRAWS
 import railgrip as rg
 from railgrip.campaign.sweep import csv_of, write_table as write_frame
 from railgrip.campaign.run import write_description

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from synthetic_runner import stop_with
-from test_distributions import DRAWS
+from test_distributions import CAMPAIGN as DRAWS
 from test_variants import DRAWS as EIGHT
 from test_variants import SAND, SEEDS
 

@@ -16,11 +16,8 @@ from railgrip.report.results import read_results
 from railgrip.report.stop import metrics_table, write_stop
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory, write_campaign):
-    directory = tmp_path_factory.mktemp("table")
-    write_campaign(directory, lambda stop: stop.variants["scenario"] == "trapezoid")
-    return directory
+def kept(stop):
+    return stop.variants["scenario"] == "trapezoid"
 
 
 def rows_of(folder):
