@@ -12,6 +12,7 @@ LEFT_OUT = tomllib.loads((ROOT / "tests/left_out.toml").read_text(encoding="utf-
 
 @pytest.mark.parametrize("file", LEFT_OUT)
 def test_each_test_left_out_exists(file):
-    found = set(re.findall(r"^def (test_\w+)", (ROOT / file).read_text(encoding="utf-8"), re.MULTILINE))
+    text = (ROOT / file).read_text(encoding="utf-8") if (ROOT / file).exists() else ""
+    found = set(re.findall(r"^def (test_\w+)", text, re.MULTILINE))
     gone = sorted({test.partition("[")[0] for test in LEFT_OUT[file]} - found)
     assert not gone, f"tests/left_out.toml: remove {', '.join(gone)}, or write the file anew with `make floors`"
