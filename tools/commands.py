@@ -303,7 +303,7 @@ def pages(
     anew: Annotated[bool, typer.Option("--anew", help="Run all cases again, and replace the stored tables.")] = False,
     quick: Annotated[bool, typer.Option("--quick", help="A few cases, to check that pages run; into build.")] = False,
 ) -> None:
-    """Execute pages of studies, docs/studies/NAME.py, and write NAME.md with its figures next to them."""
+    """Execute pages of studies, scripts in docs/studies, and write them as Markdown with their figures next to them."""
     known = all_pages()
     if unknown := [name for name in names or () if name not in known]:
         raise InputError(f"{', '.join(unknown)}: there is no such page of a study; there are {', '.join(known)}.")
