@@ -87,8 +87,8 @@ def test_stops_that_begin_on_a_limit_end_at_the_target(files):
 def test_a_train_file_states_that_its_data_are_estimates():
     curves = rg.etcs("tram")
     (ends,) = curves.remarks
-    assert "has no [etcs] maximum_speed: its curves end at 50 km/h, the speed of its fastest [[reference]]" in ends
-    assert "tram lacks [etcs], [[dispersion]], [failures]: estimates of railgrip" in curves.sentences[-1]
+    assert "has no [etcs] maximum_speed: its curves end at 60 km/h, the speed of its fastest [[reference]]" in ends
+    assert "tram lacks [etcs], [[dispersion]], [failures]: estimates of railgrip" in curves.sentences[-2]
     assert curves.table.columns == ["target", "from", "EBD", "EBI", "SBD", "SBI1", "SBI2", "W", "P", "I"]
     assert curves.figure().axes
 

@@ -43,10 +43,10 @@ def tables(base: type[BaseModel] = Table):
 
 
 def fields():
-    for package in PACKAGES:
-        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
-            importlib.import_module(module.name)
-    every = {table for table in tables() if table.__module__.startswith("railgrip.")}
+    modules = [m.name for package in PACKAGES for m in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")]
+    for name in modules:
+        importlib.import_module(name)
+    every = {table for table in tables() if table.__module__ in modules}
     for table in sorted(every, key=lambda table: (table.__module__, table.__qualname__)):
         for name, field in table.model_fields.items():
             yield f"{table.__qualname__}.{name}", Annotated[field.annotation, *field.metadata, None]
