@@ -95,7 +95,6 @@ COMMANDS = {
     "study estimators --estimator constant --quick": "index.html",
     "study etcs emu387 --write": "limits.csv",
     "study etcs emu387 --quick": "limits.csv",
-    "study filter_consistency --quick": "index.html",
     "study fleet --quick": "index.html",
     "study k_factors vt642 --quick": "k_factors.json",
     "study pad_monitor --quick": "index.html",
@@ -122,6 +121,7 @@ MAKE = {
     """headlines REASON=R BASELINES=small OPTIONS="--workers 1 --repeats 2 --stops 'trapezoid-[iw]*-*_two_state'" """:
         "docs/validation.md",
     """convergence OPTIONS="--workers 1 --repeats 2 --stops '*-simple-*full_brake'" """: "docs/validation.md",
+    "validation": "docs/validation.md",
     "regress-long BASELINES=small": "build/regress-long/etcs",
     "calibrate OPTIONS='--scenario trapezoid --out out/levels'": "out/levels/trapezoid.toml",
     "tune-control OPTIONS='--law slip_three_state --cases 1 --version 2 --budget 5 --workers 1 --out out'":
@@ -180,7 +180,7 @@ ELSEWHERE = {
 """Target, command or option → the test that runs it."""
 
 WHOLE = {
-    "--write": ("attribution", "estimators", "filter_consistency", "fleet", "papers", "trains",
+    "--write": ("attribution", "estimators", "fleet", "papers", "trains",
                 "lateral", "axle_box", "roller_rig", "field_test"),
     "--cases": ("attribution",),
     "--gain-cases": ("attribution",),
