@@ -26,11 +26,11 @@ def evaluate(
     if file is not None and file.exists():
         stored = _read(file)
         of_cases = stored[[name for name in asked[0] if name in stored]]
-        if _csv(of_cases.drop_duplicates()) == _csv(pandas.DataFrame(asked).drop_duplicates()):
+        if _csv(pandas.DataFrame(of_cases).drop_duplicates()) == _csv(pandas.DataFrame(asked).drop_duplicates()):
             return stored
     source = getattr(sys.modules[function.__module__], "__file__", None)
     is_importable = source is not None and function.__module__ != "__main__"
-    with work(Path(source) if is_importable else function.__name__, workers=max(workers, 1)) as job:
+    with work(Path(str(source)) if is_importable else function.__name__, workers=max(workers, 1)) as job:
         tasks = [partial(function, **case) for case in asked]
         results = job.map(call, tasks) if is_importable and workers else job.measure_times(call, tasks)
     frame = pandas.DataFrame(
