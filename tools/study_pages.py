@@ -19,10 +19,12 @@ from matplotlib.figure import Figure
 from railgrip.base.files import write_text
 from railgrip.base.records import make_folder
 from railgrip.report.style import save
+from railgrip.report.table import ReportTable
 
 FOLDER = Path("docs/studies")
 """Relative to the folder of the project, in which the command runs."""
 _HEAD = re.compile(r"^# %%(.*)\n", re.MULTILINE)
+_UNIT = re.compile(r"(?<=\d) (?=[^\W\d]|%)")
 
 
 class Cell(NamedTuple):
@@ -76,6 +78,8 @@ def execute(page: Path, out: Path, *, quick: bool = False) -> Path:
                 save(value, drawing)
                 pyplot.close(value)
                 value = f"![{value.get_label()}]({drawing.name})"
+            if isinstance(value, ReportTable):  # no cell breaks between a number and its unit
+                value = _UNIT.sub("\u00a0", str(value))
             parts += [str(part) for part in (printed, value) if part is not None and part != ""]
     parts.append(f"`python tools pages {page.stem}` has written this page from [{page.name}]({page.name}).")
     write_text(out / f"{page.stem}.md", "\n\n".join(parts) + "\n")

@@ -76,7 +76,7 @@ def test_a_page_shows_text_output_and_last_value_and_runs_its_cases_once(quick, 
     monkeypatch.delitem(sys.modules, "numbers_of_page", raising=False)
     written = execute(tmp_path / "mine.py", tmp_path / "out", quick=quick).read_text(encoding="utf-8")
     form = "quick" if quick else "whole"
-    assert written.startswith(f"# Title\n\nText.\n\n{form}\n\n| number | square |\n|--:|--:|\n| 2 | 1.3 m |")
+    assert written.startswith(f"# Title\n\nText.\n\n{form}\n\n| number | square |\n|--:|--:|\n| 2 | 1.3\u00a0m |")
     assert calls.read_text() == ".."
     stored = (tmp_path / ("out" if quick else "") / "mine.csv").read_text(encoding="utf-8")
     assert stored.startswith(f"number,square\n2,{4 / 3!r}\n")
