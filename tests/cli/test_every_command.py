@@ -89,8 +89,6 @@ COMMANDS = {
     "study attribution --quick": "attribution.csv",
     "study benefit vt642 --quick": "gains.csv",
     "study benefit emu387 --measures sand --line leaves --controller slip_two_state --draws 2 --write": "gains.csv",
-    "study certificate --cases 1 --write": "certificate.csv",
-    "study certificate --quick": "certificate.csv",
     "study estimators --estimator constant --train emu387 --cases 2 --sealed": "index.html",
     "study estimators --estimator constant --quick": "index.html",
     "study etcs emu387 --write": "limits.csv",

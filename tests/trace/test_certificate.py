@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray
+from bounded_slip import HORIZON, STRIDE, slip_bound, with_certificate
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from railgrip.studies.certificate import HORIZON, STRIDE, slip_bound, with_certificate
 from railgrip.vehicle.brake import Brake
 
 BRAKE = Brake(
@@ -148,7 +148,7 @@ def test_slip_exceeds_a_bound_from_mean_friction_in_a_dip_but_not_the_certificat
     found = certificate_of(trace, contact)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
-            "railgrip.studies.certificate.slip_bound",
+            "bounded_slip.slip_bound",
             lambda rail, release: slip_bound(replace(rail, shortfall=0.0 * rail.shortfall), release),
         )
         of_mean = certificate_of(trace, contact)

@@ -27,27 +27,17 @@ heat does not lower the friction.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import xarray
 from numpy.typing import NDArray
-from typer import Option
 
+import railgrip as rg
 from railgrip.base.arrays import Array
-from railgrip.campaign.work import Work
-from railgrip.report.page import Page
-from railgrip.report.stop import Stop
-from railgrip.report.table import ReportTable, share, write_tables
-from railgrip.scenario.campaign import PlannedStop
-from railgrip.scenario.schema import Scenario
-from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.studies.study import Study
-from railgrip.studies.type_test.case_set import VERSIONS
+from railgrip.studies.type_test.case_set import case_named
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of, trains_of
-from railgrip.studies.type_test.family import AXES
 from railgrip.trace.bound import Contact
 from railgrip.trace.measures import FAST
 from railgrip.trace.recorder import formation_in
@@ -278,10 +268,8 @@ def _mean_and_shortfall(friction: Array, ahead: int) -> tuple[Array, Array]:
     return mean, largest
 
 
-PAGE = Path("docs/papers/adhesion_based.md")
-"""From the folder of the project, where the command runs."""
-
-LAWS = ("adhesion_based", "slope_seeking")
+FAMILIES = ("over", "rail", "cleaning", "number of faults", "train", "mechanics")
+"""Variants of a case of version 2 of the type test that make families."""
 SLIDING = 0.01
 """Slip above which a sample counts; errors of wheel radius and speed are up to half of it in most cases."""
 TOLERANCE = 2e-3
@@ -292,7 +280,7 @@ CHOKED = 15e5
 """Rate of pressure through a choked vent valve, where a plant does not set it [Pa/s]."""
 
 
-def count_of(stop: Stop) -> dict[str, int]:
+def count_of(stop: rg.Stop) -> dict[str, int]:
     """Return counts of the sliding samples of a stop above 15 km/h, of all groups with brakes.
 
     `sliding`; `inside`, with a bound; `released`, inside with venting valves; `exceeded`, of these with more slip than
@@ -321,61 +309,13 @@ def count_of(stop: Stop) -> dict[str, int]:
     return {name: int(np.count_nonzero(mask)) for name, mask in masks.items()}
 
 
-def _counted(scenario: Scenario) -> dict[str, int]:
-    return count_of(run_stop(scenario))
+def row(case: str, law: str) -> dict[str, Any]:
+    """Run a case of version 2 of the type test under one of its entrants; return its families and `count_of` the stop.
 
-
-def table_of(stops: Sequence[PlannedStop], counts: Sequence[Mapping[str, int]]) -> ReportTable:
-    """Return shares of the sliding samples by family of cases."""
-    families: dict[str, list[int]] = {"all cases": list(range(len(stops)))}
-    for axis in AXES[1:]:
-        if axis == "passage":  # none of these cases is on a rail that passing wheels clean
-            continue
-        for number in sorted(families["all cases"], key=lambda number: stops[number].variants[axis]):
-            families.setdefault(f"{axis}: {stops[number].variants[axis]}", []).append(number)
-    rows: list[dict[str, Any]] = []
-    for family, members in families.items():
-        row: dict[str, Any] = {"family": family, "cases": len(members) // len(LAWS)}
-        for law in LAWS:
-            of_law = [counts[number] for number in members if stops[number].variants["controller"] == law]
-            total = {name: sum(count[name] for count in of_law) for name in counts[0]}
-            sliding = max(total["sliding"], 1)
-            row[f"inside, {law}"] = share(total["inside"] / sliding)
-            row[f"exceeded, {law}"] = f"{total['exceeded']} of {total['released']}"
-            if law == LAWS[0]:
-                row |= {name: share(total[name] / sliding) for name in ("slope visible", "slope significant")}
-        rows.append(row)
-    return ReportTable(rows, left=("family",))
-
-
-@dataclass(frozen=True)
-class Certificate(Study, quick="1 case", sizes={"cases": 1}):
-    """Certify bounded slip in the samples of the type test under laws that seek the maximum of adhesion."""
-
-    cases: Annotated[
-        int | None, Option(min=1, help="Number of cases; those of the small set of the type test unless given.")
-    ] = None
-    write: Annotated[bool, Option("--write", help=f"Write the table into {PAGE}.")] = False
-
-    def page(self, work: Work) -> Page:
-        """Run the cases of version 2 of the type test, and return the shares of their samples."""
-        design = VERSIONS[2].draw(self.cases or VERSIONS[2].small, VERSIONS[2].test)
-        laws = {name: entrants(2)[name] for name in LAWS}
-        stops = campaign_of(design, laws, train_of(None), trains=trains_of(design)).stops
-        counts = work.map(_counted, [stop.scenario for stop in stops])
-        table = table_of(stops, counts)
-        if self.write:
-            write_tables(PAGE, {"certificate": table})
-        released, exceeded = (sum(count[name] for count in counts) for name in ("released", "exceeded"))
-        return Page(
-            title="Certificate of bounded slip",
-            question="In which states of a stop does a release of the brake keep the slip of a wheelset bounded?",
-            answer=f"Of {released} samples with a bound in which the brake was released, {exceeded} had more slip.",
-            template="studies/certificate.md.jinja",
-            values={"table": table},
-            tables={"certificate.csv": table},
-            screen=(table,),
-        )
-
-
-STUDY = Certificate
+    Args:
+        case: Name of the case, which contains its set.
+        law: Name of the entrant.
+    """
+    design = [case_named(case)]
+    (stop,) = campaign_of(design, {law: entrants(2)[law]}, train_of(None), trains=trains_of(design)).stops
+    return {name: stop.variants[name] for name in FAMILIES} | count_of(rg.run(stop.scenario))
