@@ -12,7 +12,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
@@ -228,6 +228,8 @@ def _objects(command: Sequence[str], units: Sequence[str], folder: Path, name: s
                 for unit, made in zip(units, objects, strict=True)
             ]
             for job in jobs:
+                while not wait([job], timeout=1.0).done:  # an endless wait misses an interruption right before it
+                    pass
                 code, errors = job.result()
                 if code:
                     raise BuildFailed(f"{failure}:\n{_head(errors)}")
