@@ -3,6 +3,7 @@
 `python tools conditioning FILE.toml`, from the folder of the project; the package contains none of these.
 """
 
+import shutil
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import Annotated, Literal
@@ -308,10 +309,14 @@ def pages(
     if unknown := [name for name in names or () if name not in known]:
         raise InputError(f"{', '.join(unknown)}: there is no such page of a study; there are {', '.join(known)}.")
     for page in map(known.__getitem__, names or known):
-        out = Path("build/studies") if quick else page.parent
-        for table in out.glob(f"{page.stem}*.csv") if anew or quick else ():
-            table.unlink()
-        say(str(execute(page, out, quick=quick)))
+        if not (anew or quick):
+            say(str(execute(page, page.parent)))
+            continue
+        shutil.rmtree(apart := Path("build/studies") / page.stem, ignore_errors=True)
+        written = execute(page, apart, quick=quick, anew=True)
+        if not quick:  # only now, so that what is stored stays if a case fails
+            shutil.copytree(apart, page.parent, dirs_exist_ok=True)
+        say(str(written if quick else page.with_suffix(".md")))
 
 
 tools = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)

@@ -53,10 +53,11 @@ def text_of(cell: Cell) -> str:
     return re.sub(r"^# ?", "", cell.content, flags=re.MULTILINE)
 
 
-def execute(page: Path, out: Path, *, quick: bool = False) -> Path:
+def execute(page: Path, out: Path, *, quick: bool = False, anew: bool = False) -> Path:
     """Execute a page and write NAME.md and its figures into a folder; return the path of NAME.md.
 
-    Cells run in the folder of the page, next to its stored tables; those of the quick form in the folder of the output.
+    Cells run in the folder of the page, next to its stored tables. In the quick form, or with all cases run anew, they
+    run in the folder of the output, which gets their tables.
     """
     names: dict[str, Any] = {"__name__": "__main__"}
     parts: list[str] = []
@@ -65,7 +66,7 @@ def execute(page: Path, out: Path, *, quick: bool = False) -> Path:
     source, target = page.resolve(), out.resolve()
     if str(source.parent) not in sys.path:
         sys.path.append(str(source.parent))
-    with chdir(target if quick else source.parent):
+    with chdir(target if quick or anew else source.parent):
         for cell in cells(source.read_text(encoding="utf-8")):
             if cell.head.startswith("[markdown]"):
                 parts.append(text_of(cell))

@@ -2,9 +2,11 @@
 
 import re
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
+from command_line import exit_code
 from study_pages import execute, pages
 
 from railgrip.studies import names, summary
@@ -80,3 +82,20 @@ def test_a_page_shows_text_output_and_last_value_and_runs_its_cases_once(quick, 
     assert calls.read_text() == ".."
     stored = (tmp_path / ("out" if quick else "") / "mine.csv").read_text(encoding="utf-8")
     assert stored.startswith(f"number,square\n2,{4 / 3!r}\n")
+
+
+@pytest.mark.usefixtures("own_cache", "in_process")
+def test_stored_tables_are_replaced_only_when_all_cases_have_run(tmp_path, monkeypatch):
+    studies = tmp_path / "docs/studies"
+    studies.mkdir(parents=True)
+    module = studies / "numbers_of_page.py"
+    (studies / "mine.py").write_text(PAGE, encoding="utf-8")
+    (studies / "mine.csv").write_text("stored", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    for body, stored in (("1 / 0", "stored"), ("{'square': number**2}", "number,square\n2,4\n3,9\n")):
+        monkeypatch.delitem(sys.modules, "numbers_of_page", raising=False)
+        module.write_text(f"def square(number):\n    return {body}\n", encoding="utf-8")
+        with nullcontext() if stored != "stored" else pytest.raises(ZeroDivisionError):
+            assert exit_code("tools", "pages", "mine", "--anew") == 0
+        assert (studies / "mine.csv").read_text(encoding="utf-8") == stored
