@@ -115,7 +115,7 @@ convergence: $(READY)  ## stops with both mechanics at four tolerances of the so
 	$(RUN) tools validation
 
 headlines: conditioning discretisation  ## all numbers of the table anew, into baselines and docs: make headlines REASON='…'
-	-$(PROGRAM) maintain regress --baselines $(BASELINES)
+	-$(PROGRAM) maintain regress --baselines $(BASELINES) --import-from docs/studies
 	$(PROGRAM) maintain accept --baselines $(BASELINES) --reason '$(REASON)'
 	$(RUN) tools validation
 
@@ -123,7 +123,7 @@ validation: $(READY)  ## write the accepted braking distances into docs/validati
 	$(RUN) tools validation $(OPTIONS)
 
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
-	$(PROGRAM) maintain regress --baselines $(BASELINES)
+	$(PROGRAM) maintain regress --baselines $(BASELINES) --import-from docs/studies
 
 regress-long: BASELINES := tests/baselines/long
 regress-long: $(READY)  ## the same for a train whose FMU takes minutes to build
@@ -155,7 +155,7 @@ test: $(DEV)  ## lint, types, the tests that decide, and distances and figures a
 	@$(RUN) tests/processor_time.py $(MAKE) --no-print-directory --jobs 2 suite kept
 
 kept: check fmus
-	$(PROGRAM) maintain regress --workers 1 --baselines $(BASELINES)
+	$(PROGRAM) maintain regress --workers 1 --baselines $(BASELINES) --import-from docs/studies
 
 # A file stays in one process: its tests share what they have built and run. tests/conftest.py has the longest first.
 XDIST := --numprocesses 2 --dist loadfile --no-loadscope-reorder

@@ -84,7 +84,11 @@ def measure(name: str, command: Sequence[str], test: str = "") -> None:
 def measure_all(files: Sequence[Path], *, regression: bool) -> None:
     """Measure test files, those of a folder in one process, and the regression if required."""
     if regression:
-        measure(REGRESSION, ["-m", "railgrip", "maintain", "regress", "--workers", "1"], test=REGRESSION)
+        measure(
+            REGRESSION,
+            ["-m", "railgrip", "maintain", "regress", "--workers", "1", "--import-from", "docs/studies"],
+            test=REGRESSION,
+        )
     for folder, group in groupby(files, lambda file: file.parent):
         names = [str(file.relative_to(ROOT)) for file in group]
         whole = len(names) == len([*folder.glob("test_*.py")])

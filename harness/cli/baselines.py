@@ -60,12 +60,16 @@ def regress(
     if junit is not None:  # the report of an earlier run must not stay if this one fails
         write_text(junit, junit_xml({"regress": {"regress": "did not run to its end; see the output of the command"}}))
     files = {path: load_baseline(path) for path in _baseline_files(baselines)}
-    # Worker processes that start from here on find these modules, too.
-    modules = {path: _headlines_of(path.parent / one.module) for path, one in files.items() if one.module is not None}
     if across_compilers:
         files = {path: each.across_compilers() for path, each in files.items() if each.campaign is not None}
         if not files:
             raise ScenarioError(f"{baselines}: no baseline in it is that of a campaign, as --across-compilers expects")
+    # Worker processes that start from here on find these modules, too.
+    modules = {
+        path: _headlines_of(path, path.parent / each.module, import_from or ())
+        for path, each in files.items()
+        if each.module is not None
+    }
     found: dict[Path, Sequence[BaselineComparison]] = {}
     code = 0
     with shared_pool(workers):
@@ -147,8 +151,14 @@ def _numbers_of(
     return 0, findings
 
 
-def _headlines_of(file: Path) -> Callable[[], list[Finding]]:
-    sys.path.append(str(file.parent.resolve()))
+def _headlines_of(baseline: Path, file: Path, import_from: Sequence[Path]) -> Callable[[], list[Finding]]:
+    folder = file.parent.resolve()
+    if folder not in [each.resolve() for each in import_from]:
+        raise ScenarioError(
+            f"{baseline}: module {file.name} is Python code in {folder}, which the command does not name; add "
+            f"--import-from {shlex.quote(str(file.parent))} if it may run"
+        )
+    sys.path.append(str(folder))
 
     def failed(problem: str) -> ScenarioError:
         return ScenarioError(f"{file}: {problem}; the module of a baseline must have headlines(), a list of Finding")

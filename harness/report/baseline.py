@@ -133,7 +133,9 @@ class Baseline(Table):
     campaign: str | None = Field(default=None, description="campaign file, relative to the folder of this file")
     stops: tuple[str, ...] = Field(default=(), description="patterns of the stops of the campaign; all without it")
     study: str | None = Field(default=None, description="name of a study of railgrip.studies")
-    module: str | None = Field(default=None, description="Python file with headlines(), likewise relative")
+    module: str | None = Field(
+        default=None, description="Python file with headlines(), likewise relative, in a folder of --import-from"
+    )
     accepted: dict[str, AcceptedValue] = Field(default={}, description="name of a stop or figure → accepted value")
 
     @model_validator(mode="after")

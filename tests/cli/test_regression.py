@@ -77,7 +77,12 @@ def test_a_moved_distance_is_red_with_stop_metres_and_limits(railgrip, project, 
     [
         ('stops = ["*-two"]\n', (), "base lines/pair.toml: stops = ['*-two']: ../pair.toml has no such stop"),
         ("stop = 3\n", (), "pair.toml: the top level has no key 'stop'"),
-        ('module = "no.py"\n', ("--workers", "1"), "the module of a baseline must have headlines(), a list of Finding"),
+        (
+            'module = "no.py"\n',
+            ("--workers", "1"),
+            "the command does not name; add --import-from 'base lines' if it may",
+        ),
+        ('module = "no.py"\n', ("--import-from", "base lines"), "must have headlines(), a list of Finding"),
         ('study = "lateral"\n', ("--across-compilers",), "no baseline in it is that of a campaign"),
     ],
 )
