@@ -35,7 +35,7 @@ def _path() -> str:
 
 
 _PRESENTATION: Final = frozenset(
-    {"jinja2", "markdown-it-py", "matplotlib", "pebble", "pillow", "platformdirs", "plotly", "rich", "typer"}
+    {"jinja2", "markdown-it-py", "matplotlib", "pebble", "pillow", "platformdirs", "rich", "typer"}
 )
 """Required packages that draw, write or organise, and do not affect numbers."""
 

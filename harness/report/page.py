@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import cache
-from importlib import metadata, resources
+from importlib import metadata
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -132,7 +132,7 @@ class Page:
             body=Markup(_html_of(body)),
             origin=ReportTable([{"": key, "value": value} for key, value in origin.items()], left=("", "value")),
             # Of letters and digits: a search for characters to escape would take as long as the rest of the page.
-            plots=Markup(_pack(json.dumps(plots, ensure_ascii=False, allow_nan=False).encode(), 1)),
+            plots=Markup(_pack(json.dumps(plots, ensure_ascii=False, allow_nan=False).encode())),
             plotly=Markup(_plotly()),
             script=Markup((_ROOT / "report/page.js").read_text(encoding="utf-8")),
         )
@@ -203,14 +203,17 @@ def _html_of(markdown: str) -> str:
     return parser.render(markdown)
 
 
-def _pack(content: bytes, level: int) -> str:
-    return base64.b64encode(gzip.compress(content, level, mtime=0)).decode()
+def _pack(content: bytes) -> str:
+    return base64.b64encode(gzip.compress(content, 1, mtime=0)).decode()
 
 
 @cache
 def _plotly() -> str:
-    """Return plotly.js, compressed from five megabytes to two; the browser decompresses it."""
-    return _pack((resources.files("plotly") / "package_data" / "plotly.min.js").read_bytes(), 9)
+    """Return plotly.js 4.1.1 with the traces of axes alone, which the browser decompresses.
+
+    The file is plotly-cartesian.min.js of the npm package plotly.js-cartesian-dist-min, compressed by `gzip -9 -n`.
+    """
+    return base64.b64encode((_ROOT / "report/plotly/plotly-cartesian.min.js.gz").read_bytes()).decode()
 
 
 def _html_value(value: Any) -> Any:

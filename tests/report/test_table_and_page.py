@@ -1,10 +1,14 @@
 """One table is output in every format, and a page escapes all text that is not its own markup."""
 
 import csv
+import gzip
 import math
+import re
+from pathlib import Path
 
 from pages import needs_nothing_else
 
+import railgrip.report
 from railgrip.report.page import Page, write_page
 from railgrip.report.table import Link, ReportTable, change, yes_no
 
@@ -94,6 +98,18 @@ def test_a_page_of_markdown_escapes_markup(tmp_path):
         "| \\<dry> | 12.3 m | −10.0 % |\n| wet | none: horizon | +5.0 % |\n\n"
         "Not run: x.\n\nNote.\n"
     )
+
+
+def test_plotly_has_the_traces_of_all_figures_and_its_licence():
+    report = Path(railgrip.report.__file__).parent
+    script = gzip.decompress((report / "plotly/plotly-cartesian.min.js.gz").read_bytes()).decode()
+    sources = "".join((report / f"{name}.py").read_text(encoding="utf-8") for name in ("interactive", "signals"))
+    types = set(re.findall(r'"type": "(\w+)"', sources)) - {"linear", "log", "line"}  # of axes and shapes
+    assert types >= {"scatter", "bar", "heatmap"}
+    assert types <= set(re.findall(r'moduleType:"trace",name:"(\w+)"', script))
+    (version,) = re.findall(r"plotly\.js (\S+) with", (report / "page.py").read_text(encoding="utf-8"))
+    assert f"plotly.js (cartesian - minified) v{version}\n" in script
+    assert (report / "plotly/LICENSE").read_text(encoding="utf-8").startswith("MIT License\n\nCopyright (c)")
 
 
 VALUES = {
