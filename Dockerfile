@@ -1,7 +1,7 @@
 # railgrip with both compilers of its models. From the folder of the project:
 #     docker build -t railgrip .
 #     docker run --rm -v "$PWD:/work" railgrip run trapezoid --out trapezoid
-# The same with OpenModelica left out is `pip install 'railgrip[compiler]'` in any image that has Python.
+# The same with OpenModelica left out is `pip install '.[compiler]'` in any image that has Python.
 FROM ubuntu:24.04
 
 ARG OPENMODELICA=1.27.0

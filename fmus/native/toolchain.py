@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from railgrip.base.cache import find, keep, one_maker
 from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.base.files import scratch
-from railgrip.base.programs import environment_of_programs, find_program
+from railgrip.base.programs import environment_of_programs, find_program, installation
 
 # With -ffp-contract=off and without -ffast-math, results are equal to the bit on every x86-64 machine. gnu99 is C99
 # without trigraphs, in which `??/` would be a backslash, even inside a string literal.
@@ -69,7 +69,6 @@ TARGETS = {
 
 # -P: without it, Python would first look for ziglang in the current folder.
 _ZIG = (sys.executable, "-P", "-m", "ziglang", "cc")
-_REMEDY = "install it with `pip install 'railgrip[compiler]'`, in a clone with `pip install '.[compiler]'`"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,7 +102,7 @@ def compiler() -> Compiler:
         return _probe(_ZIG)
     raise CompilerMissing(
         "no C compiler: neither CC, cc, gcc nor clang is on the PATH and the Python package ziglang "
-        f"is not installed; {_REMEDY}."
+        f"is not installed; install it with {installation('compiler')}."
     )
 
 
@@ -204,7 +203,10 @@ def _archiver_of(compiler: Sequence[str]) -> tuple[str, ...]:
 
 def _compiler_for(target: Platform) -> Compiler:
     if importlib.util.find_spec("ziglang") is None:
-        raise CompilerMissing(f"for {target.zig} the compiler of the Python package ziglang is needed; {_REMEDY}.")
+        raise CompilerMissing(
+            f"for {target.zig} the compiler of the Python package ziglang is needed; install it with "
+            f"{installation('compiler')}."
+        )
     # With a target, a query of its version would leave an object file in the current folder.
     zig = _probe(_ZIG)
     return replace(zig, command=(*zig.command, "-target", target.zig))

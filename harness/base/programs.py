@@ -49,3 +49,10 @@ def versions() -> dict[str, str]:
     packages = {name: version(name) for name in ("railgrip", *names) if name not in _PRESENTATION}
     machine = " ".join(filter(None, (platform.system(), platform.machine(), *platform.libc_ver())))
     return {"python": platform.python_version(), "machine": machine} | packages
+
+
+def installation(extra: str) -> str:
+    """Return the command that installs the packages of an extra, wherever railgrip itself was installed from."""
+    entries = (entry.partition(";") for entry in requires("railgrip") or ())
+    names = [f"'{package.strip()}'" for package, _, marker in entries if extra in marker]
+    return f"`python -m pip install {' '.join(names)}`"

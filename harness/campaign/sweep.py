@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from railgrip.base.errors import InputError, RailgripError, RecordError, ScenarioError
 from railgrip.base.files import replacing
 from railgrip.base.names import ElementName
+from railgrip.base.programs import installation
 from railgrip.base.units import short
 from railgrip.campaign.workers import answer, collect
 from railgrip.campaign.workers import workers as processes
@@ -276,9 +277,7 @@ def write_table(frame: pandas.DataFrame, path: Path) -> None:
         try:
             with_units(frame).reset_index(drop=not any(frame.index.names)).to_parquet(partial, engine="pyarrow")
         except ImportError as problem:
-            raise InputError(
-                f"{path}: Parquet needs pyarrow; install it with `pip install 'railgrip[parquet]'`."
-            ) from problem
+            raise InputError(f"{path}: Parquet needs pyarrow; install it with {installation('parquet')}.") from problem
 
 
 def csv_of(frame: pandas.DataFrame) -> str:

@@ -24,6 +24,7 @@ from railgrip.base.activity import FOLDER, forget_activities
 from railgrip.base.errors import InputError, RailgripError, for_user
 from railgrip.base.files import scratch
 from railgrip.base.interrupted import Interrupted, ignore_sigint
+from railgrip.base.programs import installation
 from railgrip.base.units import cut
 from railgrip.report.console import remark
 
@@ -100,7 +101,7 @@ def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
     try:
         from distributed import Client
     except ImportError as problem:
-        raise InputError("--scheduler needs Dask: pip install 'railgrip[cluster]'") from problem
+        raise InputError(f"--scheduler needs Dask; install it with {installation('cluster')}.") from problem
     try:
         client = Client(address, timeout=_ANSWER, set_as_default=False)
     except (OSError, ValueError) as problem:

@@ -66,7 +66,7 @@ def _findings_of(name: str, check: Callable[[], Iterator[CheckResult]]) -> list[
         return [CheckResult(name, "fails", str(problem))]
     except Exception as problem:  # a compiled package that does not load may raise any exception
         words = f"{type(problem).__name__}: {problem}"
-        return [CheckResult(name, words, "reinstall railgrip: python -m pip install --force-reinstall railgrip")]
+        return [CheckResult(name, words, "install railgrip again, with the option --force-reinstall of pip")]
 
 
 def _versions() -> Iterator[CheckResult]:
@@ -91,7 +91,9 @@ def _files_of_the_package() -> Iterator[CheckResult]:
     missing = [str(file) for file in package_files if not Path(str(file.locate())).is_file()]
     if missing:
         words = f"{len(missing)} of {len(package_files)} files are missing, such as {missing[0]}"
-        yield CheckResult("files of the package", words, "python -m pip install --force-reinstall --no-deps railgrip")
+        yield CheckResult(
+            "files of the package", words, "install railgrip again, with the options --force-reinstall --no-deps of pip"
+        )
     else:
         yield CheckResult(
             "files of the package",

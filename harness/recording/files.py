@@ -28,6 +28,7 @@ from railgrip.base.arrays import Vector
 from railgrip.base.errors import EstimationError, InputError, UnitError
 from railgrip.base.files import LARGEST_TABLE, require_regular
 from railgrip.base.names import did_you_mean
+from railgrip.base.programs import installation
 from railgrip.base.units import conversion, cut, short, unit
 from railgrip.recording.delimited import (
     SPELLINGS,
@@ -157,7 +158,7 @@ def _library(path: Path, module: str, extra: str) -> Any:
     except ModuleNotFoundError as problem:
         raise EstimationError(
             f"{path.name}: reading {extra} files takes {module.partition('.')[0]}; install it with "
-            f"`pip install 'railgrip[{extra}]'`."
+            f"{installation(extra)}."
         ) from problem
 
 

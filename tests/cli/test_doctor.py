@@ -114,7 +114,7 @@ def openmodelica_without_zip(folder, monkeypatch):
         (missing_package, ["pint: is not installed: python -m pip install 'pint"]),
         (missing_file, ["1 of 2 files are missing, such as railgrip/gone.toml", "--force-reinstall"]),
         (part_that_does_not_load, ["estimator mine", "module_that_is_gone cannot be imported", "railgrip.estimators"]),
-        (fmpy_that_does_not_import, ["FMUs", "reinstall railgrip"]),
+        (fmpy_that_does_not_import, ["FMUs", "install railgrip again"]),
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )

@@ -4,6 +4,10 @@ import re
 import tomllib
 from pathlib import Path
 
+import pytest
+
+from railgrip.base.programs import installation
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -30,3 +34,24 @@ def test_the_citation_has_version_and_date_of_the_newest_release():
 def test_the_modelica_library_has_the_version_of_the_project():
     package = (ROOT / "modelica/RailBraking/package.mo").read_text(encoding="utf-8")
     assert f'version="{releases()[0][0]}"' in package
+
+
+def test_no_text_asks_for_extras_of_a_name_that_is_on_no_index():
+    """`railgrip[parquet]` would be searched there; a clone, a wheel or the packages of the extra are at hand."""
+    folders = ("harness", "fmus", "estimators", "controllers", "docs", ".github")
+    files = [
+        path for folder in folders for path in (ROOT / folder).rglob("*.*") if path.suffix in (".py", ".md", ".yml")
+    ]
+    texts = {path: path.read_text(encoding="utf-8") for path in (*files, ROOT / "README.md", ROOT / "Dockerfile")}
+    assert len(texts) > 400
+    assert not [
+        path for path, text in texts.items() if re.search(r"install[^`\n]* '?railgrip(\[|'|`|\"|$)", text, re.MULTILINE)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("extra", "package"),
+    [("compiler", "ziglang"), ("parquet", "pyarrow"), ("mf4", "asammdf"), ("cluster", "distributed")],
+)
+def test_a_message_installs_the_packages_of_an_extra(extra, package):
+    assert re.fullmatch(rf"`python -m pip install '{package}[<>=][\w.,<>=]*'`", installation(extra))
