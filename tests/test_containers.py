@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -67,7 +68,9 @@ def test_ci_covers_each_python_on_each_system(system):
     jobs = yaml.safe_load((ROOT / ".github/workflows/ci.yml").read_text(encoding="utf-8"))["jobs"]
     matrix = jobs["platforms"]["strategy"]["matrix"]
     assert system in matrix["os"]
-    assert matrix["python"] == ["3.11", "3.12", "3.13", "3.14"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    stated = [line.rpartition(" ")[2] for line in project["classifiers"] if re.search(r"Python :: 3\.", line)]
+    assert matrix["python"] == stated == ["3.11", "3.12", "3.13", "3.14"]
 
 
 def test_ci_compares_with_openmodelica_as_before_every_landing():

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -10,24 +11,50 @@ from pathlib import Path
 
 import pytest
 import xarray
+from project_files import project_files
 
 ROOT = Path(__file__).parents[1]
 DATA = {".typed", ".csv", ".yml", ".toml", ".json", ".mo", ".order", ".c", ".h", ".jinja", ".js", ".gz", ".txt"}
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory):
-    """Built from a copy, so that no folder of an earlier build is included."""
-    source, out = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
-    listing = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout
-    for name in filter(None, listing.decode().split("\0")):
-        if not name.startswith("tests/") and (ROOT / name).is_file():
-            (source / name).parent.mkdir(parents=True, exist_ok=True)
-            (source / name).write_bytes((ROOT / name).read_bytes())
+def source(tmp_path_factory):
+    """The unpacked source distribution of a copy of the project, in which no folder of an earlier build is."""
+    project, out = tmp_path_factory.mktemp("project"), tmp_path_factory.mktemp("source")
+    for name in project_files():
+        (project / name).parent.mkdir(parents=True, exist_ok=True)
+        (project / name).write_bytes((ROOT / name).read_bytes())
+    build = f"from setuptools.build_meta import build_sdist; build_sdist({str(out)!r})"
+    subprocess.run([sys.executable, "-c", build], cwd=project, check=True, capture_output=True)
+    (built,) = out.glob("*.tar.gz")
+    shutil.unpack_archive(built, out, filter="data")
+    return out / built.name.removesuffix(".tar.gz")
+
+
+@pytest.fixture(scope="module")
+def wheel(source, tmp_path_factory):
+    out = tmp_path_factory.mktemp("wheel")
     build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "-w", str(out)]
     subprocess.run([*build, str(source)], check=True, capture_output=True)
     (built,) = out.glob("*.whl")
     return built, source
+
+
+def test_the_source_distribution_has_every_file_of_the_project(source):
+    """Tests, documentation and the Makefile work in it as in a clone."""
+    files = {path.relative_to(source).as_posix() for path in source.rglob("*") if path.is_file()}
+    extra = {name for name in files if name.startswith("railgrip.egg-info/")} | {"PKG-INFO", "setup.cfg"}
+    assert files - extra == set(project_files())
+
+
+def test_the_description_for_an_index_has_no_link_or_picture_of_a_file(source):
+    """A package index shows neither; paths are those of the source distribution."""
+    text = (source / "PKG-INFO").read_text(encoding="utf-8").partition("\n\n")[2]
+    assert text.startswith("# railgrip\n")
+    assert not re.findall(r"\]\((?!https:)|!\[|<!--", text)
+    named = re.findall(r"`([\w/]+\.(?:md|cff))`", text)
+    assert len(named) > 6
+    assert not [name for name in named if not (source / name).is_file()]
 
 
 def test_it_contains_one_package_with_every_file(wheel):

@@ -2,12 +2,12 @@
 
 import ast
 import re
-import subprocess
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
 import pytest
+from project_files import project_files
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("harness", "controllers", "estimators", "fmus", "tools", "tests")
@@ -32,15 +32,8 @@ EXAMPLE = re.compile(r"My|.*_\d$")
 
 
 @cache
-def tracked() -> tuple[str, ...]:
-    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    return tuple(name for name in done.stdout.splitlines() if (ROOT / name).is_file())
-
-
-@cache
 def sources() -> tuple[Path, ...]:
-    return tuple(ROOT / name for name in tracked() if name.endswith(".py") and name.startswith(PACKAGES[:-1]))
+    return tuple(ROOT / name for name in project_files() if name.endswith(".py") and name.startswith(PACKAGES[:-1]))
 
 
 @cache
@@ -74,8 +67,8 @@ def prose(path: Path) -> list[tuple[int, str]]:
 
 @cache
 def endings() -> frozenset[str]:
-    """Return the tracked files by each ending of their paths: `loop/loop.py` is `harness/simulate/loop/loop.py`."""
-    parts = [name.split("/") for name in tracked()]
+    """Return the files by each ending of their paths: `loop/loop.py` is `harness/simulate/loop/loop.py`."""
+    parts = [name.split("/") for name in project_files()]
     return frozenset("/".join(each[i:]) for each in parts for i in range(len(each)))
 
 
@@ -83,7 +76,7 @@ def endings() -> frozenset[str]:
 def identifiers() -> frozenset[str]:
     """Return all identifiers in the code of the sources, in any language."""
     words: set[str] = set()
-    for name in tracked():
+    for name in project_files():
         path = ROOT / name
         if path == Path(__file__):
             continue
@@ -186,7 +179,7 @@ def missing(text: str) -> list[str]:
 
 
 def test_references_in_docstrings_and_comments_exist():
-    in_c = [ROOT / name for name in tracked() if name.endswith((".c", ".h")) and name.startswith(PACKAGES)]
+    in_c = [ROOT / name for name in project_files() if name.endswith((".c", ".h")) and name.startswith(PACKAGES)]
     wrong = [
         f"{path.relative_to(ROOT)}:{line}: {name}"
         for path in (*sources(), *in_c)
@@ -214,7 +207,9 @@ def test_an_invalid_reference_is_found_and_a_valid_one_accepted(text):
 def test_defaults_are_written_as_users_write_them():
     """80/3.6, not 22.222222222222222: in the Modelica library, the scenarios and the templates."""
     files = [
-        ROOT / name for name in tracked() if name.startswith(("modelica/", "harness/")) and name[-3:] in (".mo", "oml")
+        ROOT / name
+        for name in project_files()
+        if name.startswith(("modelica/", "harness/")) and name[-3:] in (".mo", "oml")
     ]
     assert len(files) > 100
     long = [

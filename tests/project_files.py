@@ -1,0 +1,24 @@
+"""The files of the project, in a clone and in an unpacked source distribution."""
+
+import os
+from collections.abc import Iterator
+from fnmatch import fnmatch
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+
+@cache
+def project_files() -> tuple[str, ...]:
+    """Return the paths of all files that .gitignore does not list, relative to the folder of the project."""
+    ignored = [".git", *(line.strip("/") for line in (ROOT / ".gitignore").read_text(encoding="utf-8").split())]
+
+    def kept(names: list[str]) -> Iterator[str]:
+        return (name for name in names if not any(fnmatch(name, pattern) for pattern in ignored))
+
+    found: list[str] = []
+    for folder, folders, files in os.walk(ROOT):
+        folders[:] = kept(folders)
+        found += [(Path(folder) / name).relative_to(ROOT).as_posix() for name in kept(files)]
+    return tuple(sorted(found))
