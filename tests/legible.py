@@ -13,6 +13,9 @@ WIDTHS = (1280, 800, 390)
 """Widths of a screen, a half one and a telephone [pixels]."""
 
 LOWEST = 150  # pixels
+_SMALLEST = 0.75
+"""Size of a figure over its size on paper, with letters of 8 points, so that they have 8 pixels."""
+
 _TOUCH = 2.0
 """Overlap of the boxes of two texts that is not one of their letters: boxes are higher than letters [pixels]."""
 
@@ -41,13 +44,16 @@ addEventListener("load", async () => {
     const texts = [...plot.querySelectorAll("svg.main-svg text")].filter(
       (one) => one.textContent.trim() && one.getBBox().width);
     return {
-      name: plot.dataset.plot, frame: box(plot.querySelector(".svg-container")),
+      frame: box(plot.querySelector(".svg-container")),
       heights: axes.filter((one) => one._id[0] === "y").map((one) => one._length),
       texts: texts.map((one) => ({ ...box(one), text: one.textContent })),
       legends: [...plot.querySelectorAll(".legend .bg")].map(box), lines,
     };
   });
-  parent.document.title = JSON.stringify({ width: innerWidth, page: document.documentElement.scrollWidth, plots });
+  const figures = [...document.querySelectorAll(".figure img")].filter((one) => one.offsetWidth).map((one) => (
+    { ...box(one), name: one.alt, shown: box(one.parentElement), scale: one.offsetWidth / one.naturalWidth }));
+  const page = document.documentElement.scrollWidth;
+  parent.document.title = JSON.stringify({ width: innerWidth, page, plots, figures });
 });
 </script>"""
 
@@ -111,23 +117,28 @@ def defects_on_screen(pages, folder, *widths):
 def defects_of(found):
     """Return a sentence for each defect of the figures of a page as `drawn` returns it."""
     defects = []
+    for one in found["figures"]:
+        if one["shown"]["right"] > found["width"]:
+            defects.append(f"{one['name']}: it does not scroll, and is cut off")
+        if one["scale"] < _SMALLEST:
+            defects.append(f"{one['name']}: it is {100 * one['scale']:.0f} % as large as on paper")
     for plot in found["plots"]:
-        name, texts, frame = plot["name"], plot["texts"], plot["frame"]
-        defects += [f"{name}: an axis is {round(size)} pixels high" for size in plot["heights"] if size < LOWEST]
+        texts, frame = plot["texts"], plot["frame"]
+        defects += [f"an axis is {round(size)} pixels high" for size in plot["heights"] if size < LOWEST]
         for number, text in enumerate(texts):
             if text["left"] < frame["left"] - 1 or text["right"] > frame["right"] + 1:
-                defects.append(f"{name}: '{text['text']}' is cut off")
+                defects.append(f"'{text['text']}' is cut off")
             if text["top"] < frame["top"] - 1 or text["bottom"] > frame["bottom"] + 1:
-                defects.append(f"{name}: '{text['text']}' is cut off")
+                defects.append(f"'{text['text']}' is cut off")
             defects += [
-                f"{name}: '{text['text']}' overlaps '{other['text']}'"
+                f"'{text['text']}' overlaps '{other['text']}'"
                 for other in texts[number + 1 :]
                 if _overlap(text, other) > _TOUCH
             ]
         for legend in plot["legends"]:
             inside = [(x, y) for x, y in plot["lines"] if _has(legend, x, y)]
             if inside:
-                defects.append(f"{name}: a legend covers {len(inside)} points of lines or bars")
+                defects.append(f"a legend covers {len(inside)} points of lines or bars")
     return defects
 
 

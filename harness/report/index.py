@@ -88,7 +88,7 @@ def stop_page(stop: Stop, *, back: str = "") -> Page:
             "scenario": scenario_table(scenario),
             "metrics": metrics_table(stop.figures),
         },
-        plots={"signals": signals_plot(stop.trace, stop.cars)} if stop.has_trace else {},
+        signals=signals_plot(stop.trace, stop.cars) if stop.has_trace else None,
         provenance=provenance(stop),
     )
 

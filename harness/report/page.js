@@ -40,49 +40,27 @@ function numbers({ bdata }) {
   return [...new Float32Array(Uint8Array.from(atob(bdata), (letter) => letter.charCodeAt(0)).buffer)];
 }
 
-// A figure is drawn as wide as for a paper, or narrower with its letters, so that nothing overlaps that does not in print.
-// Its height stays, so that no axis becomes low.
-const NARROWEST = 900;
 // Below this width, the legend of the signals is drawn below them.
 const NARROW = 700;
-function fit(layout, available) {
-  if (layout.meta.train) {  // panels below each other fit any width
-    layout.width = available;
-    if (available >= NARROW) return;
-    layout.legend = { ...layout.legend, orientation: "h", x: 0, y: -0.06, yanchor: "top" };
-    layout.margin = { ...layout.margin, l: 50 };
-    layout.height += 80;
-    return;
-  }
-  const width = Math.max(Math.min(NARROWEST, layout.meta.width), available);
-  const share = Math.min(1, width / (layout.meta.width ?? width));
-  layout.width = Math.min(width, layout.meta.width ?? width);
-  layout.margin.r *= share;
-  layout.font = { size: 12 * share };
-  const texts = [...layout.annotations ?? [], ...Object.keys(layout).filter((key) => key.startsWith("legend")).map((key) => layout[key])];
-  for (const one of texts) {
-    if (one.font?.size) one.font.size *= share;
-    if (one.entrywidth) one.entrywidth *= share;
-  }
-}
 
-async function draw() {
-  const plots = JSON.parse(await unpacked("plots"));
+async function draw(place) {
+  const { data, layout } = JSON.parse(await unpacked("signals")), { train: moving } = layout.meta;
   const script = document.createElement("script");
   script.textContent = await unpacked("plotly");
   document.head.append(script);
-  for (const place of document.querySelectorAll(".plot")) {
-    const drawn = plots[place.dataset.plot];
-    const { data, layout } = place.clientWidth < NARROWEST && drawn.narrow ? drawn.narrow : drawn;
-    if (layout.meta.train) for (const line of data) line.x = layout.meta.train.time;
-    if (layout === drawn.narrow?.layout) place.onPaper = structuredClone(drawn);
-    fit(layout, place.clientWidth);
-    await Plotly.newPlot(place, data, layout, { displaylogo: false });
-    if (layout.meta.train) train(place, layout.meta.train);
+  for (const line of data) line.x = moving.time;
+  layout.width = place.clientWidth;
+  if (layout.width < NARROW) {
+    layout.legend = { ...layout.legend, orientation: "h", x: 0, y: -0.06, yanchor: "top" };
+    layout.margin.l = 50;
+    layout.height += 80;
   }
+  await Plotly.newPlot(place, data, layout, { displaylogo: false });
+  train(place, moving);
   document.body.dataset.drawn = "yes";
 }
-if (document.getElementById("plots")) draw();
+const signals = document.querySelector(".plot");
+if (signals) draw(signals);
 
 // Paper: everything is open, and figures fit on an upright page of A4 between its margins; wide tables have pages across.
 const PAPER = { width: 690, height: 1000 };
@@ -90,38 +68,28 @@ const PAPER = { width: 690, height: 1000 };
 const printed = [...document.styleSheets[0].cssRules].find((rule) => rule.media?.mediaText === "print");
 addEventListener("beforeprint", () => {
   for (const one of document.querySelectorAll("details:not([open])")) { one.open = true; one.dataset.closed = "yes"; }
-  for (const one of document.querySelectorAll(".plot")) {
-    if (!one.layout) continue;
-    if (one.onPaper) {
-      one.onScreen = { data: one.data, layout: one.layout };
-      const { data, layout } = one.onPaper;
-      fit(layout, PAPER.width);
-      Plotly.react(one, data, layout);
-    }
-    const { width, height, meta } = one.layout;
-    document.body.style.width = `${PAPER.width}px`;  // text above it is as wide as paper, not as the screen
-    printed.media.mediaText = "all";
-    const above = one.closest(".summary") ? one.offsetTop : 0;  // on the first page, below the answer
-    printed.media.mediaText = "print";
-    document.body.style.width = "";
-    const free = PAPER.height - above - 40;  // room for the caption
-    if (meta.train) {
-      one.dataset.size = JSON.stringify({ width, height });
-      Plotly.relayout(one, { width: PAPER.width, height: Math.min(height, free) });
-    } else {
-      // A figure that would become too small below the answer has the next page.
-      const here = Math.min(PAPER.width / width, free / height), next = Math.min(PAPER.width / width, (PAPER.height - 40) / height);
-      one.style.zoom = here > 0.6 * next ? here : next;
-    }
+  document.body.style.width = `${PAPER.width}px`;  // text above a figure is as wide as paper, not as the screen
+  printed.media.mediaText = "all";
+  const first = signals ?? document.querySelector(".summary .figure"), free = PAPER.height - 40 - (first?.offsetTop ?? 0);  // room for the caption
+  printed.media.mediaText = "print";
+  document.body.style.width = "";
+  if (signals?.layout) {
+    const { width, height } = signals.layout;
+    signals.dataset.size = JSON.stringify({ width, height });
+    Plotly.relayout(signals, { width: PAPER.width, height: Math.min(height, free) });
+  }
+  for (const one of document.querySelectorAll(".figure .broad")) {
+    // A figure that would become too small below the answer has the next page.
+    const share = (height) => Math.min(1, PAPER.width / one.naturalWidth, height / one.naturalHeight), next = share(PAPER.height - 40);
+    const here = one.closest(".summary") ? share(free) : next;
+    one.dataset.width = one.style.width;
+    one.style.width = `${(here > 0.6 * next ? here : next) * one.naturalWidth}px`;
   }
 });
 addEventListener("afterprint", () => {
   for (const one of document.querySelectorAll("details[data-closed]")) one.open = false;
-  for (const one of document.querySelectorAll(".plot")) {
-    one.style.zoom = "";
-    if (one.onScreen) Plotly.react(one, one.onScreen.data, one.onScreen.layout);
-    if (one.dataset.size) Plotly.relayout(one, JSON.parse(one.dataset.size));
-  }
+  for (const one of document.querySelectorAll("img[data-width]")) one.style.width = one.dataset.width;
+  if (signals?.dataset.size) Plotly.relayout(signals, JSON.parse(signals.dataset.size));
 });
 
 // The train over its signals: axles coloured by slip or adhesion at a cursor that the mouse or a clock moves.

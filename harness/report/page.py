@@ -32,6 +32,9 @@ Kind = Literal["html", "markdown", "plain"]
 FORMATS = ("png", "svg", "pdf")
 """Formats of figure files."""
 
+_PIXELS = 105.0
+"""Pixels per inch of a figure, so that letters of 8 to 11 points are as large as the text of a page."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Page:
@@ -49,7 +52,7 @@ class Page:
         note: Sentences next to this table.
         figures: File name → figure; the first one answers the question and is placed below the answer.
         narrow: File name → the same figure for a narrow screen.
-        plots: Name → `data` and `layout` of plotly.js, for figures that only the page has; they come before `figures`.
+        signals: `data` and `layout` of plotly.js for the signals of a stop, which only the page has, below the answer.
         provenance: Basis of the results: versions, seeds, digests.
         tables: File name → table, as CSV.
         data: File name → content, as JSON.
@@ -68,7 +71,7 @@ class Page:
     note: str = ""
     figures: "Mapping[str, Figure]" = field(default_factory=dict[str, Any])
     narrow: "Mapping[str, Figure]" = field(default_factory=dict[str, Any])
-    plots: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Any])
+    signals: Mapping[str, Any] | None = None
     provenance: Mapping[str, str] = field(default_factory=dict[str, str])
     tables: Mapping[str, ReportTable] = field(default_factory=dict[str, ReportTable])
     data: Mapping[str, Any] = field(default_factory=dict[str, Any])
@@ -88,16 +91,11 @@ class Page:
         """
         files = self.file_names(formats)
         claim(folder, *files)
-        plots = dict(self.plots)
         if self.figures:
-            from railgrip.report.interactive import interactive  # matplotlib takes half a second to load
-            from railgrip.report.style import save_as
+            from railgrip.report.style import save_as  # matplotlib takes half a second to load
 
             for name, figure in self.figures.items():
-                plots[name] = interactive(figure)
-                save_as(figure, folder / name, formats, is_laid_out=True)
-                if name in self.narrow:
-                    plots[name] = {**plots[name], "narrow": interactive(self.narrow[name])}
+                save_as(figure, folder / name, formats)
         for name, table in self.tables.items():
             table.write_csv(folder / name)
         for name, content in self.data.items():
@@ -105,7 +103,7 @@ class Page:
         for name, write in self.files.items():
             write(folder / name)
         page = folder / "index.html"
-        write_text(page, self._html(plots))
+        write_text(page, self._html())
         # Figures of an earlier page that this one does not have.
         discard(folder, {name for name in recorded_files(folder) if name.startswith("figures/")} - files)
         return page
@@ -115,9 +113,8 @@ class Page:
         figures = {str(PurePosixPath(name).with_suffix(f".{form}")) for name in self.figures for form in formats}
         return {"index.html", *figures, *self.tables, *self.data, *self.files}
 
-    def _html(self, plots: Mapping[str, Mapping[str, Any]]) -> str:
-        names = {name: name for name in plots}
-        body = render(self.template, is_html=True, figures=names, **self.values)
+    def _html(self) -> str:
+        body = render(self.template, is_html=True, figures={name: name for name in self.figures}, **self.values)
         origin = {
             **self.provenance,
             "railgrip": metadata.version("railgrip"),
@@ -128,14 +125,36 @@ class Page:
             "report/page.html.jinja",
             is_html=True,
             page=self,
-            first=next(iter(plots), None),
-            body=Markup(_html_of(body)),
+            first=self._picture(*list(self.figures)[:1]) if self.figures else "",
+            body=Markup(self._html_of(body)),
             origin=ReportTable([{"": key, "value": value} for key, value in origin.items()], left=("", "value")),
             # Of letters and digits: a search for characters to escape would take as long as the rest of the page.
-            plots=Markup(_pack(json.dumps(plots, ensure_ascii=False, allow_nan=False).encode())),
-            plotly=Markup(_plotly()),
+            signals=Markup(_pack(json.dumps(self.signals, ensure_ascii=False, allow_nan=False).encode())),
+            plotly=Markup(_plotly()) if self.signals else "",
             script=Markup((_ROOT / "report/page.js").read_text(encoding="utf-8")),
         )
+
+    def _html_of(self, markdown: str) -> str:
+        parser = MarkdownIt("commonmark", {"html": True}).enable("table")
+
+        def picture(_: Any, tokens: Any, index: int, options: Any, environment: Any) -> str:
+            return self._picture(tokens[index].attrGet("src"), as_html(tokens[index].content))
+
+        parser.add_render_rule("image", picture)
+        return parser.render(markdown)
+
+    def _picture(self, name: str, caption: str = "") -> Markup:
+        """Return a figure with its caption, and the figure for a narrow screen, if it has one."""
+        from railgrip.report.style import svg
+
+        shown = {"broad": self.figures[name]} | ({"narrow": self.narrow[name]} if name in self.narrow else {})
+        images = [
+            f'<img class="{screen}" alt="{caption or PurePosixPath(name).stem}" style="width: {_PIXELS * width:.0f}px" '
+            f'src="data:image/svg+xml;base64,{base64.b64encode(svg(drawing)).decode()}">'
+            for screen, drawing in shown.items()
+            for width, _ in (drawing.get_size_inches(),)
+        ]
+        return Markup(f'<span class="figure">{"".join(images)}</span><span class="caption">{caption}</span>')
 
 
 def formats_of(text: str) -> list[str]:
@@ -190,17 +209,6 @@ def commit() -> str:
         return found.stdout.strip()
     except (OSError, subprocess.TimeoutExpired):  # git is not installed
         return ""
-
-
-def _html_of(markdown: str) -> str:
-    parser = MarkdownIt("commonmark", {"html": True}).enable("table")
-
-    def plot(_: Any, tokens: Any, index: int, options: Any, environment: Any) -> str:
-        caption, name = as_html(tokens[index].content), as_html(tokens[index].attrGet("src"))
-        return f'<span class="plot" data-plot="{name}"></span><span class="caption">{caption}</span>'
-
-    parser.add_render_rule("image", plot)
-    return parser.render(markdown)
 
 
 def _pack(content: bytes) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
+from io import BytesIO
 from pathlib import Path
 from typing import Any, cast
 from unicodedata import bidirectional
@@ -66,27 +67,20 @@ class Drawing(Figure):
         """Draw the figure; powers of ten on logarithmic axes are always formulas."""
         scales = cast(list[Axis], self.findobj(lambda part: isinstance(part, Axis) and part.get_scale() == "log"))
         powers = {text for scale in scales for tick in scale.findobj(Tick) for text in tick.findobj(Text)}
-        written: dict[str, str] = {}
 
-        def coded(text: str) -> str:
-            written[legible(text)] = text
-            return legible(text)
-
-        def coded_label(label: Callable[..., str]) -> Callable[[float, int | None], str]:
-            return lambda x, place: coded(label(x, place))
+        def coded(label: Callable[..., str]) -> Callable[[float, int | None], str]:
+            return lambda x, place: legible(label(x, place))
 
         for text in self.findobj(Text):
             text.set_parse_math(self.has_formulas or text in powers)
-            text.set_text(coded(text.get_text()))
+            text.set_text(legible(text.get_text()))
         ticks = [axis.get_major_formatter() for axis in self.findobj(Axis)]
         labels = {each: each.func for each in ticks if isinstance(each, FuncFormatter)}
         for each, label in labels.items():
-            each.func = coded_label(label)
+            each.func = coded(label)
         super().draw(renderer)
         for each, label in labels.items():
             each.func = label
-        for text in self.findobj(Text):  # a page in a browser has other fonts
-            text.set_text(written.get(text.get_text(), text.get_text()))
 
 
 def figure(width: float, height: float, margins: Mapping[str, float] | None = None) -> Drawing:
@@ -155,17 +149,23 @@ def save(drawing: Figure, path: Path, description: str | None = None) -> Path:
     return path
 
 
-def save_as(drawing: Figure, path: Path, formats: Sequence[str], *, is_laid_out: bool = False) -> None:
-    """Write a figure in several formats, which replace the suffix of a path.
-
-    Args:
-        is_laid_out: Whether the figure was drawn before, which has placed all its parts.
-    """
-    if not is_laid_out:
-        drawing.draw_without_rendering()
+def save_as(drawing: Figure, path: Path, formats: Sequence[str]) -> None:
+    """Write a figure in several formats, which replace the suffix of a path."""
+    drawing.draw_without_rendering()
     drawing.set_layout_engine(None)  # all parts are placed; "none" would draw again for each format
     for suffix in formats:
         save(drawing, path.with_suffix(f".{suffix}"))
+
+
+def svg(drawing: Figure) -> bytes:
+    """Return a figure as SVG whose texts are texts, so that a printed page can be searched.
+
+    A browser without the font of figures takes one as wide, or a narrower one.
+    """
+    buffer = BytesIO()
+    with rc_context({"svg.hashsalt": "", "svg.fonttype": "none"}):
+        drawing.savefig(buffer, format="svg", metadata=cast(Any, {"Date": None}))
+    return buffer.getvalue()
 
 
 def alike(columns: Sequence[Any]) -> list[list[int]]:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import synthetic_runner
 from one_process import one_process
-from pages import plots_of
+from pages import figures_of
 from waiting import LONGEST, until
 
 from railgrip.base.errors import RecordError
@@ -214,7 +214,7 @@ def test_two_campaigns_in_one_command_have_separate_reports(railgrip, project):
     assert result.code == 0, result.err
     assert stops_in(project / "both" / "pair") == stops_in(project / "both" / "other") == ["wet-abc", "wet-sbc"]
     pages = [project / "both" / name / "index.html" for name in ("pair", "other")]
-    assert [len(plots_of(page)) for page in pages] == [2, 2]
+    assert [len(figures_of(page)) for page in pages] == [2, 2]
     assert [len(list(page.parent.glob("*/index.html"))) for page in pages] == [2, 0]
     assert len(re.findall(r"^ peak seeking.* −15\.8 %", result.out, re.MULTILINE)) == 2
     assert (

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pandas
 import pytest
-from pages import needs_nothing_else, plots_of
+from pages import figures_of, needs_nothing_else
 from synthetic import LIBRARY
 from synthetic_runner import DECELERATION
 from synthetic_runner import stop_with as stop
@@ -191,7 +191,7 @@ def test_the_command_prints_tables_or_json_and_writes_a_page(slip, adhesion, tmp
     assert "controller.kind" in output.out
     assert "mean_deceleration" in output.out
     page = tmp_path / "build/compare/a-b/index.html"
-    assert list(plots_of(page)) == ["figures/comparison.png"]
+    assert list(figures_of(page)) == ["comparison"]
     assert needs_nothing_else(page)
     assert "Where B loses distance against A" in page.read_text(encoding="utf-8")
     output = command("compare", "runs/a", "runs/b", "--json")

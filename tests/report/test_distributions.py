@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pandas
 import pytest
-from pages import plots_of
+from pages import figures_of
 from scipy import stats
 from scipy.stats import norm
 
@@ -179,7 +179,8 @@ def test_a_page_of_draws_lists_controllers_instead_of_stops(folder, page):
     assert text.count("| random |") == 4
     assert "change vs best tuned SBC" in text
     assert '"worst_draw"' in as_json.read_text(encoding="utf-8")
-    assert list(plots_of(page)) == [f"figures/{name}.png" for name in ("exceedance", "distributions", "friction")]
+    captions = ["exceedance", "Braking distances over the draws", "Maximum friction at the wheelsets"]
+    assert list(figures_of(page)) == captions
     html = page.read_text(encoding="utf-8")
     # For the scenarios; the other tables state it above their rows.
     assert html.count('<td class="text">random</td>') == 1

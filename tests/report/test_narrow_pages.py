@@ -46,8 +46,7 @@ FRAMES = {
     "stop": {"caption": ".controls + .caption", "train": "svg circle", "plot": ".plot .svg-container"},
     "printed stop": {"printed": "html", "plot": ".plot .svg-container"},
     "campaign": {
-        "head": "table.data th", "cells": "table.data td", "titles": ".annotation",
-        "plot": ".plot:first-of-type .svg-container",
+        "head": "table.data th", "cells": "table.data td",
     },
 }  # fmt: skip
 """Page → name → selector of elements."""
@@ -93,17 +92,6 @@ def test_figures_are_as_wide_as_paper(boxes):
     (plot,) = boxes["printed stop"]["plot"]
     assert plot["right"] - plot["left"] == pytest.approx(690, abs=1)
     assert plot["bottom"] - plot["top"] > 400  # below the text of a narrow screen
-
-
-@needs_browser
-def test_titles_of_panels_of_bars_are_complete(boxes):
-    """Each is in the drawing, and none overlaps its neighbour."""
-    found = boxes["campaign"]
-    plot = found["plot"][0]
-    titles = [box for box in found["titles"] if "km/h" in box["text"]]
-    assert [box["text"] for box in titles] == ["start.speed 80 km/h", "start.speed 120 km/h"]
-    assert all(plot["top"] <= box["top"] and box["right"] <= plot["right"] for box in titles)
-    assert titles[0]["right"] < titles[1]["left"]
 
 
 def test_panels_of_bars_are_named_by_their_differences(folder):

@@ -44,7 +44,7 @@ def test_a_table_is_html_in_a_page_of_html(tmp_path):
     assert '<p class="bad">Not run: x &lt; y.</p>' in text
     assert text.startswith("<!doctype html>")
     assert needs_nothing_else(tmp_path / "index.html")
-    assert 'id="plotly"' not in text  # without a figure there is nothing to draw
+    assert 'id="plotly"' not in text  # without signals there is nothing to draw
 
 
 def test_a_value_common_to_all_rows_is_stated_once_above_the_table():
@@ -100,12 +100,12 @@ def test_a_page_of_markdown_escapes_markup(tmp_path):
     )
 
 
-def test_plotly_has_the_traces_of_all_figures_and_its_licence():
+def test_plotly_has_the_traces_of_signals_and_its_licence():
     report = Path(railgrip.report.__file__).parent
     script = gzip.decompress((report / "plotly/plotly-cartesian.min.js.gz").read_bytes()).decode()
-    sources = "".join((report / f"{name}.py").read_text(encoding="utf-8") for name in ("interactive", "signals"))
-    types = set(re.findall(r'"type": "(\w+)"', sources)) - {"linear", "log", "line"}  # of axes and shapes
-    assert types >= {"scatter", "bar", "heatmap"}
+    types = set(re.findall(r'"type": "(\w+)"', (report / "signals.py").read_text(encoding="utf-8")))
+    types -= {"log", "line"}  # of axes and shapes
+    assert types == {"scatter"}
     assert types <= set(re.findall(r'moduleType:"trace",name:"(\w+)"', script))
     (version,) = re.findall(r"plotly\.js (\S+) with", (report / "page.py").read_text(encoding="utf-8"))
     assert f"plotly.js (cartesian - minified) v{version}\n" in script

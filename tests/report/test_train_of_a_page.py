@@ -35,7 +35,7 @@ def test_a_plant_without_a_train_file_has_the_cars_that_it_declares(tmp_path):
     assert all(begin < end for begin, end in train["cars"])
     known = ((0.0, 12.0), (12.0, 30.0))
     write_stop(replace(run_stop(scenario), cars=known), tmp_path)
-    plot = stop_page(read_stop(tmp_path)).plots["signals"]
+    plot = stop_page(read_stop(tmp_path)).signals
     assert plot["layout"]["meta"]["train"]["cars"] == list(known)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray
 from command_line import exit_code
-from pages import plots_of
+from pages import signals_of
 from PIL import Image
 from sampling import sample
 
@@ -109,7 +109,7 @@ def test_a_train_runs_to_metrics_and_figures(tmp_path: Path, name: str, monkeypa
     assert exit_code("report", "stop") == 0
     with Image.open(tmp_path / "stop" / "stop.png") as figure:
         assert figure.width == 2100
-    lines = plots_of(tmp_path / "stop" / "index.html")["signals"]["data"]
+    lines = signals_of(tmp_path / "stop" / "index.html")["data"]
     assert {line["name"] for line in lines} >= {f"wheelset {k + 1}" for k in range(sum(counts))}
 
 

@@ -9,7 +9,7 @@ import pandas
 import pytest
 from command_line import exit_code
 from one_process import one_process
-from pages import needs_nothing_else, plots_of
+from pages import figures_of, needs_nothing_else
 
 from railgrip.base.errors import ScenarioError
 from railgrip.studies.type_test.entrants import entrants, entrants_named, train_of
@@ -74,7 +74,7 @@ def test_the_table_of_cases_has_a_row_for_each_stop(results):
 
 def test_the_page_is_self_contained(results):
     assert needs_nothing_else(results / "index.html")
-    assert len(plots_of(results / "index.html")) == 3
+    assert len(figures_of(results / "index.html")) == 3
     page = (results / "index.html").read_text(encoding="utf-8").replace("<wbr>", "")
     assert "verify in the" in page
     assert f"railgrip study type_test --controller {results.parent / 'own.toml'} --case 1of2-15595" in page
