@@ -2,6 +2,7 @@
 
 import errno
 from dataclasses import dataclass
+from math import isfinite
 from typing import Final, Literal
 
 
@@ -126,7 +127,7 @@ class Failure:
 
     Attributes:
         file: Name of the FMU file.
-        time: Simulated time of the failing call [s].
+        time: Simulated time of the failing call [s]; NaN for a prediction, which is evaluated without one.
         reason: Kind of failure.
         call: FMI function that failed, or '' if no call returned.
         variable: Affected variable, or '' if unknown.
@@ -167,7 +168,8 @@ class Failure:
         about = f" ({self.detail})" if self.detail else ""
         progress = f"; it came as far as {self.reached:.9g} s" if self.reached is not None else ""
         words = f"; it says: {self.log[-1]}" if self.log else ""
-        return f"{self.file}: at {self.time:.9g} s {what}{about}{progress}{words}."
+        when = f"at {self.time:.9g} s " if isfinite(self.time) else ""
+        return f"{self.file}: {when}{what}{about}{progress}{words}."
 
 
 class PlantFailed(RailgripError):

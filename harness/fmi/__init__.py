@@ -8,6 +8,7 @@ while it runs raises `PlantFailed`.
 
 from railgrip.fmi.description import Description, FmuVariable, describe
 from railgrip.fmi.exchange import FmuPrediction
+from railgrip.fmi.instance import foreign_code
 from railgrip.fmi.isolation import IsolatedCoSimulation, open_plant, shared_budget
 from railgrip.fmi.mapping import Binding, Port, SignalVector, bind
 from railgrip.fmi.plant import CoSimulation
@@ -25,6 +26,7 @@ __all__ = [
     "SteppedFmuPrediction",
     "bind",
     "describe",
+    "foreign_code",
     "open_plant",
     "shared_budget",
 ]

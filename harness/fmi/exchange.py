@@ -6,10 +6,11 @@ from central differences. `kernel/prediction.c` makes the calls; `stepped.py` ha
 """
 
 import ctypes
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from functools import cache
 from importlib.resources import files
+from math import nan
 from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import Any, ClassVar, Final, Literal, Self
@@ -112,7 +113,7 @@ class FmuPrediction:
         """
         if description.fmi != 2:
             raise FmuError(
-                f"{description.file}: a prediction is evaluated by FMI 2.0, this is FMI 3.0; export it again."
+                f"{description.file}: a prediction is evaluated by FMI 2.0, this is FMI 3.0; export it as FMI 2.0."
             )
         # The FMU may have the symbols of the equations for its states.
         symbols = {state_name(symbol): symbol for symbol in description.states}
@@ -128,6 +129,7 @@ class FmuPrediction:
             _require_si(description, description.variable(name, "prediction"))
         self.states, self.inputs, self.outputs = tuple(states), tuple(inputs), tuple(readings or outputs)
         self._description, self._symbols = description, theirs
+        self._nominal = np.array([description.variables[name].nominal for name in theirs])
         self._assignments = assignments(description, parameters)
         self._references = (
             references_of(description.variables[name] for name in theirs),
@@ -330,9 +332,45 @@ class FmuPrediction:
         """Return dy/dx at (x, u), shape (m, n); raise `PlantFailed` if it cannot be evaluated."""
         return self._differentiate("output", x, u, self._output_pattern)
 
+    def require_true_jacobians(self, x: Vector, u: Vector) -> None:
+        """Compare the Jacobians at (x, u), along one direction, with central differences.
+
+        An FMU may declare too few dependencies, or provide the directional derivatives of another point.
+
+        Raises:
+            FmuError: They differ by more than one percent for any width of the differences: a wide one may exceed a
+                smoothed corner of the equations, and rounding errors may exceed a narrow one.
+        """
+        random, size = np.random.default_rng(1), np.maximum(np.abs(x), self._nominal)
+        x, direction = x + 1e-3 * size * random.random(x.size), size * random.uniform(0.5, 1.5, x.size)
+        rates, outputs = self._rates(x, u), (lambda at: self.output(at, u), self.output_jacobian(x, u))
+        for (function, jacobian), names in ((rates, self._derivatives), (outputs, self.outputs)):
+            given, expected = jacobian @ direction, np.full(len(names), np.nan)
+            wrong = np.full(len(names), True)
+            for width in (1e-3, 1e-5, 1e-7):
+                ahead, behind = (function(x + step * direction) for step in (width, -width))
+                difference = (ahead - behind) / (2 * width)
+                margin = 0.01 * (np.abs(jacobian) @ direction + np.abs(difference)) + 1e-14 / width * np.abs(ahead)
+                expected = np.where(wrong, difference, expected)
+                wrong &= np.abs(given - difference) > margin
+            if wrong.any():
+                row = int(np.argmax(wrong))
+                raise FmuError(
+                    f"{self.file}: along one direction of the states, {names[row]} changes by {expected[row]:.6g}, and "
+                    f"by {given[row]:.6g} according to its directional derivatives or dependencies; correct these, or "
+                    "export it without providesDirectionalDerivative and dependencies."
+                )
+
+    def _rates(self, x: Vector, u: Vector) -> tuple[Callable[[Vector], Vector], Matrix]:
+        """Return the function of the states whose Jacobian the FMU provides, and this Jacobian at x."""
+        return lambda at: self.derivative(at, u), self.derivative_jacobian(x, u)
+
     def _differentiate(self, what: Literal["derivative", "output"], x: Vector, u: Vector, pattern: Pattern) -> Matrix:
         entries = np.zeros(sum(map(len, pattern)))
         self._evaluate(what, x, u, entries)
+        return self._matrix(entries, pattern)
+
+    def _matrix(self, entries: Vector, pattern: Pattern) -> Matrix:
         matrix, entry = np.zeros((len(pattern), len(self.states))), 0
         for row, columns in enumerate(pattern):
             matrix[row, list(columns)] = entries[entry : entry + len(columns)]
@@ -362,7 +400,7 @@ class FmuPrediction:
         codes = kernel_library(*KERNEL).functions
         if code not in (codes.VALUE_NOT_FINITE, codes.ENTRY_NOT_FINITE):
             call = next(call for name, call in self._calls.items() if getattr(codes, name) == code)
-            instance.check(self._plan.status, call, 0.0, "evaluating the prediction")
+            instance.check(self._plan.status, call, nan, "evaluating the prediction")
         names = self.outputs if self._plan.is_output else self._derivatives
         pattern = self._output_pattern if self._plan.is_output else self._differentiated[1]
         if code == codes.VALUE_NOT_FINITE:
@@ -370,7 +408,7 @@ class FmuPrediction:
         else:
             row, column = [(row, column) for row, columns in enumerate(pattern) for column in columns][self._plan.at]
             variable = f"d({names[row]})/d({self.states[column]})"
-        raise PlantFailed(instance.failure("not_finite", "", 0.0, variable=variable, doing="a prediction"))
+        raise PlantFailed(instance.failure("not_finite", "", nan, variable=variable, doing="a prediction"))
 
     def _open(self) -> Instance:
         if self._instance is None:

@@ -8,6 +8,7 @@ FMU declares for the variable, as in every FMI tool; a parameter that the harnes
 `Binding.translate` first.
 """
 
+import atexit
 import ctypes
 import math
 import os
@@ -38,6 +39,7 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 
 from railgrip.base.errors import Failure, FmuError, PlantFailed, Reason
 from railgrip.base.files import scratch
+from railgrip.base.interrupted import end_if_stuck
 from railgrip.fmi.archive import DESCRIPTION, digest, extract
 from railgrip.fmi.description import PLATFORMS, Description, FmuVariable, Interface
 from railgrip.fmus.native.toolchain import kernel_library
@@ -177,6 +179,35 @@ _KINDS_OF_REFERENCE: Final = {
 def limit_messages(most: int, code: int) -> None:
     """End this process with an exit code when its FMUs have logged more than `most` messages."""
     kernel_library(*_KERNEL).functions.limit_messages(most, code)
+
+
+_foreign: list[str] = []
+
+
+@contextmanager
+def foreign_code(file: str) -> Generator[None]:
+    """Let a sentence name an FMU whose code, loaded into this process, ends the process or does not return."""
+    _foreign.append(file)
+    _announce_end()
+    try:
+        with end_if_stuck(" or ".join(_foreign)):
+            yield
+    finally:
+        _foreign.remove(file)
+        _announce_end()
+
+
+def _announce_end() -> None:
+    what = "crashed, or ended the program, into which trust = true loads it; correct the FMU.\n"
+    text = f"{' or '.join(_foreign)} {what}" if _foreign else ""
+    kernel_library(*_KERNEL).functions.announce_end(text.encode())
+
+
+@atexit.register
+def _end_regularly() -> None:
+    if _foreign:  # of a bench that is still open
+        _foreign.clear()
+        _announce_end()
 
 
 def _callbacks(environment: int) -> fmi2CallbackFunctions:

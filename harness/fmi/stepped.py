@@ -6,8 +6,9 @@ FMI 2.0 every step begins in a saved state of the whole FMU in its initialisatio
 be set. An FMU that refuses this may have the extension, as those of OpenModelica do. Which one works is tried once.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from functools import partial
 from math import isfinite
 from pathlib import Path
 from types import MappingProxyType
@@ -16,7 +17,7 @@ from typing import Any, ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.base.arrays import Vector
+from railgrip.base.arrays import Matrix, Vector
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.estimators.model_in_c import Pattern, transition_pattern
 from railgrip.fmi.description import Description, Interface
@@ -115,7 +116,6 @@ class SteppedFmuPrediction(FmuPrediction):
         variables = description.variables
         self._state_references = self._references[0].tolist()
         self._slope_references = references_of(variables[name] for name in self._derivatives).tolist()
-        self._nominal = np.array([variables[name].nominal for name in self._symbols])
         # Inputs in the check of the FMU.
         self._held = [value if isfinite(value := variables[name].start) else 0.0 for name in self.inputs]
         # Within a step a state acts along any path of dependencies.
@@ -161,16 +161,24 @@ class SteppedFmuPrediction(FmuPrediction):
 
     def _fields(self, instance: Instance) -> dict[str, Any]:
         n, library = len(self.states), kernel_library(*KERNEL)
+        self._slopes = np.zeros(sum(map(len, self._slope_pattern)) + 1)
         exact = self.has_directional_derivatives
         stepping = library.struct(
             "Stepping", do_step=instance.address("fmi2DoStep"), restore=instance.address("fmi2SetFMUstate"),
             exit_initialisation=instance.address("fmi2ExitInitializationMode") if self._initialises else None,
             saved=self._saved.value, state_references=self._references[0], slope=_rows(self._slope_pattern),
-            rate=_rows(self._derivative_pattern), slopes=np.zeros(sum(map(len, self._slope_pattern)) + 1),
+            rate=_rows(self._derivative_pattern), slopes=self._slopes,
             power=np.zeros((n, n)) if exact else None, next_power=np.zeros((n, n)) if exact else None,
             period=self.period,
         )  # fmt: skip
         return {"stepping": stepping, "nominal": self._nominal, "relative_step": _RELATIVE_STEP}
+
+    def _rates(self, x: Vector, u: Vector) -> tuple[Callable[[Vector], Vector], Matrix]:
+        if not self.has_directional_derivatives:
+            return super()._rates(x, u)
+        self._held = u.tolist()
+        self.derivative_jacobian(x, u)  # fills `_slopes`
+        return partial(self._get, self._slope_references), self._matrix(self._slopes, self._slope_pattern)
 
     # Steps from any states, and a check that they are those of a function of states and inputs.
 

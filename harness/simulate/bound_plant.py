@@ -15,10 +15,9 @@ import numpy as np
 
 from railgrip.base.arrays import Matrix, generator
 from railgrip.base.errors import FmuError, PlantFailed, ScenarioError
-from railgrip.base.interrupted import end_if_stuck
 from railgrip.base.names import ElementName
 from railgrip.base.units import GRAVITY
-from railgrip.fmi import Binding, Description, Port, bind, open_plant
+from railgrip.fmi import Binding, Description, Port, bind, foreign_code, open_plant
 from railgrip.scenario.track import STEEPEST
 from railgrip.scenario.vehicle_table import (
     FmuFile,
@@ -127,7 +126,7 @@ def fmu_plant(stop: Opening) -> LoopPlant:
         limits=scenario.limits.fmu,
     )
     if isinstance(source, FmuFile) and table.trust:
-        stop.stack.enter_context(end_if_stuck(description.file.name))
+        stop.stack.enter_context(foreign_code(description.file.name))
     # The class of a train file consists of built-in parts; delays by a distributor or a long pipe would fail the trial.
     if not isinstance(source, LibraryPlant) or (isinstance(source, TrainFile) and table.map):
         # The stop will report the failure.

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from railgrip import fmi
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import ControllerFailed, FmuError, PlantFailed, ScenarioError
-from railgrip.base.interrupted import end_if_stuck
 from railgrip.base.names import ElementName
 from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
@@ -24,7 +23,7 @@ from railgrip.controllers.parameters import SEARCHED
 from railgrip.controllers.sampled import Sampled
 from railgrip.controllers.train_level import pass_through, with_redistribution, with_shared_valves
 from railgrip.controllers.valves import BAND, PULSE_MIN, ValveLogic, ValveModel
-from railgrip.fmi import Binding, Description, bind, open_plant
+from railgrip.fmi import Binding, Description, bind, foreign_code, open_plant
 from railgrip.scenario.onboard import BuiltInLaw as LawTable
 from railgrip.scenario.onboard import ControllerFmu, KalmanFilter
 from railgrip.scenario.quantity import in_units
@@ -262,7 +261,7 @@ def open_controller(stop: Opening, estimates: Collection[str]) -> tuple[LoopCont
             description, binding, period=period, parameters=values, trusted=table.trust, notify=notify, limits=limits,
             table="[controller]",
         )  # fmt: skip
-        with end_if_stuck(name) if table.trust else nullcontext(), context as fmu:
+        with foreign_code(name) if table.trust else nullcontext(), context as fmu:
             yield ForeignController(fmu, binding, gives, description)
 
     with suppress(ControllerFailed, PlantFailed), opening(lambda sentence: None) as law:  # the stop reports these

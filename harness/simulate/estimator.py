@@ -23,7 +23,7 @@ from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, ch
 from railgrip.estimators.design import NOISE_SETS, FilterContext, FilterKind, Gate, NoiseSet, pad_gate
 from railgrip.estimators.filters.decentralised import Consist
 from railgrip.estimators.prediction import CasadiPrediction
-from railgrip.fmi import Description, FmuPrediction, SteppedFmuPrediction
+from railgrip.fmi import Description, FmuPrediction, SteppedFmuPrediction, foreign_code
 from railgrip.fmus.native import Model
 from railgrip.fmus.recipe import FmiType
 from railgrip.rolling_stock.brakes import TrackBrake
@@ -57,6 +57,8 @@ _Central = CasadiPrediction | FmuPrediction
 RELEASED_PADS = 1500.0
 """Normal force of both pads of a unit [N] below which the filter does not update pad friction; see `pad_gate`."""
 
+_TRIAL_INPUT = 1e5
+"""Cylinder pressures [Pa] and track force [N] at which Jacobians of a user's FMU are compared with differences."""
 _PREDICTION_DATA = ("r_wheel", "A_piston", "i_rigging", "eta_rigging", "F_spring")
 _NOISE_PREFIX = {
     "TrainPrediction": "train",
@@ -159,6 +161,8 @@ def _of_nominal_data(
         readings = train.readings
     gate = pad_gate(max(release_pressure(data, g, RELEASED_PADS) for g in groups), formation.groups)
     mean = start_of(prediction.states, formation, data, vehicle.scenario.start.speed)
+    if table.file is not None and isinstance(prediction, FmuPrediction):
+        prediction.require_true_jacobians(mean, np.full(len(prediction.inputs), _TRIAL_INPUT))
     return prediction, readings, gate, mean, tuple(radius_of(data, g) for g in groups)
 
 
@@ -172,7 +176,7 @@ def _of_file(stop: Opening, table: KalmanFilter, file: NamedFile) -> FmuPredicti
     layout, scenario = stop.vehicle.layout, stop.vehicle.scenario
     description = description_of_file(file.path, scenario.limits.fmu)
     require_role(description, "prediction", f"{scenario.name}: [estimator] file")
-    if table.interface == "model_exchange" and description.model_exchange is None:
+    if table.interface == "model_exchange" and description.model_exchange is None and description.fmi == 2:
         raise ScenarioError(
             f"[estimator] file {file.entry} offers only Co-Simulation; set interface = 'co_simulation', or export it "
             "as Model Exchange"
@@ -188,6 +192,7 @@ def _of_file(stop: Opening, table: KalmanFilter, file: NamedFile) -> FmuPredicti
     if not outputs:
         raise ScenarioError(f"{where} has no output that sensors read; they read {', '.join(sorted(layout.reading))}")
     _require_read(where, outputs, layout)
+    stop.stack.enter_context(foreign_code(description.file.name))
     return _open_prediction(
         stop,
         table,

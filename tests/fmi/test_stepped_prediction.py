@@ -1,12 +1,25 @@
 """A co-simulation FMU as the step of a filter: equal to an accurate solution of its equations, or refused."""
 
+from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
-from tiny_fmu import CURVED_OUTPUTS, K, check_filter_in_c, curved, derivative, derivative_by_state, stepped, tiny, xml
+from tiny_fmu import (
+    CURVED_OUTPUTS,
+    K,
+    check_filter_in_c,
+    curved,
+    derivative,
+    derivative_by_state,
+    repacked,
+    stepped,
+    tiny,
+    xml,
+)  # fmt: skip
 
 from railgrip.base.errors import EstimatorError, FilterDiverged, FmuError, PlantFailed
 from railgrip.estimators.compiled import CompiledFilter
@@ -113,6 +126,30 @@ def test_an_fmu_may_integrate_by_forward_euler_itself(foundry: Path):
     x, u = POINT
     with prediction(stepped(foundry, 256)) as model:
         np.testing.assert_allclose(model.derivative(x, u), derivative(x, u), rtol=1e-12)
+
+
+@pytest.mark.parametrize("build", [curved, stepped])
+@pytest.mark.parametrize(
+    ("wrong", "index", "sentence"),
+    [
+        (False, 0, ""),
+        (True, 0, r"der\(b\) changes by .*, and by .* according to its directional derivatives or dependencies"),
+        (False, 6, r"der\(c\) changes by"),
+        (False, 9, r"y\[1\] changes by"),
+    ],
+    ids=["right", "directional derivative", "dependencies of a derivative", "dependencies of an output"],
+)
+def test_wrong_jacobians_of_an_fmu_are_refused(foundry: Path, tmp_path: Path, build, wrong, index, sentence):
+    def declared(name: str, content: bytes) -> tuple[str, bytes]:
+        unknown = f'<Unknown index="{index}"'.encode()
+        return name, content.replace(unknown + b"/>", unknown + b' dependencies="2"/>') if "xml" in name else content
+
+    file = repacked(build(foundry, wrong=wrong), tmp_path / "declared.fmu", declared)
+    kind = FmuPrediction if build is curved else partial(SteppedFmuPrediction, period=PERIOD)
+    with kind(describe(file), states=tuple("abc"), **NAMES) as model:
+        for x, u in (POINT, (np.array([-4.0, 2.0, 9.0]), np.array([10.0, 3.0]))):
+            with pytest.raises(FmuError, match=sentence) if sentence else nullcontext():
+                model.require_true_jacobians(x, u)
 
 
 def test_a_filter_has_the_period_of_its_prediction(foundry: Path):

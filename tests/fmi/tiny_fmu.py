@@ -189,23 +189,29 @@ def check_filter_in_c(model: Prediction, period: float) -> None:
         np.testing.assert_allclose(belief.covariance, expected.covariance, atol=1e-13)
 
 
-def curved(folder: Path, *, directional: bool = True, forgets: bool = False) -> Path:
-    """Build the smooth model-exchange FMU of curved.c in `folder` and return its file; `forgets` is said there."""
+_WRONG = ["-Dcos=sin"]  # only directional derivatives have a cosine
+
+
+def curved(folder: Path, *, directional: bool = True, forgets: bool = False, wrong: bool = False) -> Path:
+    """Build the smooth model-exchange FMU of curved.c in `folder` and return its file; `forgets` is said there.
+
+    With `wrong`, as for `stepped`, an entry of its directional derivatives is another one.
+    """
     library = shared_library(
         {name: SOURCES[name] for name in ("curved.c", "quiet.h", "reals_only.h")},
-        f"curved_{forgets}",
+        f"curved_{forgets}_{wrong}",
         include=(HEADERS,),
-        flags=(f'-DTINY_GUID="{GUID}"', *(["-DFORGETS"] if forgets else [])),
+        flags=(f'-DTINY_GUID="{GUID}"', *(["-DFORGETS"] if forgets else []), *_WRONG[:wrong]),
     )
     attribute = ' providesDirectionalDerivative="true"' if directional else ""
     sent = [_row(n, 11 + i, "local", "continuous", "calculated", "Real") for i, n in enumerate(("sent", "asked"))]
     text = _curved_xml(f'<ModelExchange modelIdentifier="curved"{attribute}/>', sent)
-    return packed(folder / f"curved_{directional}_{forgets}.fmu", text, library, f"{fmpy.platform}/curved")
+    return packed(folder / f"curved_{directional}_{forgets}_{wrong}.fmu", text, library, f"{fmpy.platform}/curved")
 
 
 def stepped(
     folder: Path, variant: int = 0, *, flags: str = 'canGetAndSetFMUstate="true"', directional: bool = True,
-    lists_states: bool = True,
+    lists_states: bool = True, wrong: bool = False,
 ) -> Path:  # fmt: skip
     """Build the co-simulation FMU of stepped.c in `folder` and return its file.
 
@@ -215,16 +221,17 @@ def stepped(
         flags: Further attributes of CoSimulation.
         directional: It offers directional derivatives.
         lists_states: ModelStructure has the derivatives of the states.
+        wrong: An entry of its directional derivatives is another one.
     """
     library = shared_library(
         {name: SOURCES[name] for name in ("stepped.c", "quiet.h")},
-        f"stepped_{variant}",
+        f"stepped_{variant}_{wrong}",
         include=(HEADERS,),
-        flags=(f'-DTINY_GUID="{GUID}"', f"-DVARIANT={variant}"),
+        flags=(f'-DTINY_GUID="{GUID}"', f"-DVARIANT={variant}", *_WRONG[:wrong]),
     )
     attribute = ' providesDirectionalDerivative="true"' if directional else ""
     text = _curved_xml(f'<CoSimulation modelIdentifier="curved"{attribute} {flags}/>', [], lists_states=lists_states)
-    file = folder / f"stepped_{variant}_{directional}_{lists_states}_{len(flags)}.fmu"
+    file = folder / f"stepped_{variant}_{directional}_{lists_states}_{wrong}_{len(flags)}.fmu"
     return packed(file, text, library, f"{fmpy.platform}/curved")
 
 

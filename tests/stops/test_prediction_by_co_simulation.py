@@ -3,6 +3,12 @@
 Papers 000 and 001 cite the former, by Brembeck et al. (2014).
 """
 
+import os
+import signal
+import subprocess
+import sys
+import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +16,7 @@ import pytest
 from edited_fmu import replaced, with_description, with_own_prediction
 from sampling import sample
 from table_1 import table_1_scenario
+from waiting import LONGEST, until
 
 import railgrip.scenario
 from railgrip.base.errors import FmuError, ScenarioError
@@ -19,8 +26,10 @@ from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.filters.moving_horizon import HorizonFilter
 from railgrip.estimators.prediction import CasadiPrediction, with_state_names
 from railgrip.fmi import SteppedFmuPrediction, describe
+from railgrip.fmus.native import package
 from railgrip.report.stop import Stop
 from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.named_models import compile_class, prediction_description
 from railgrip.simulate.run import run_stop
@@ -126,3 +135,90 @@ def test_a_prediction_that_cannot_save_its_state_is_refused(tmp_path: Path):
     file = own(tmp_path, ('canGetAndSetFMUstate="true"', ""))
     with pytest.raises(FmuError, match="begins every step in a saved state, and this FMU has no canGetAndSetFMUstate"):
         run_stop(scenario_with(file, STEPPED))
+
+
+HOSTILE = """
+    static int steps = 0;
+    const char *hostile = getenv("HOSTILE");
+    if (hostile && ++steps > 2000) {
+        fclose(fopen(getenv("HOSTILE_MARK"), "w"));
+        if (*hostile == 'n') { s->v[X + 2] = NAN; return fmi2OK; }
+        if (*hostile == 's') *(volatile int *)0 = 1;
+        if (*hostile == 'a') abort();
+        if (*hostile == 'x') exit(0);
+        while (*hostile == 'l');
+        return (fmi2Status)(*hostile - '0');
+    }
+"""
+"""Statements of fmi2DoStep, which is called some ten times before the stop, and 26 times in each period."""
+
+
+@pytest.fixture(scope="module")
+def source() -> package.Source:
+    with zipfile.ZipFile(prediction_description("TrainPrediction", None, "me_cs").file) as archive:
+        names = [name.removeprefix("sources/") for name in archive.namelist() if name.startswith("sources/")]
+        files = {name: archive.read(f"sources/{name}").decode() for name in names}
+        xml = archive.read("modelDescription.xml").decode()
+    return package.Source.of("RailBraking_Predictions_TrainPrediction", files, xml)
+
+
+def test_a_prediction_by_fmi_3_is_refused_by_either_interface(source: package.Source, tmp_path: Path):
+    """By the key of Model Exchange, too, which would propose the other interface."""
+    file = package.pack(package.as_fmi_3(source), tmp_path / "Mine.fmu")
+    for changes in ([], [STEPPED]):
+        with pytest.raises(FmuError, match=r"by FMI 2\.0, this is FMI 3\.0; export it as FMI 2\.0"):
+            run_stop(scenario_with(file, *changes))
+
+
+@pytest.fixture(scope="module")
+def hostile(source: package.Source, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A scenario whose prediction misbehaves as the environment variable HOSTILE says."""
+    before, name = "    (void)no_set_state;\n", "cosimulation.c"
+    text = "#include <stdio.h>\n#include <stdlib.h>\n" + replaced(source.files[name], (before, before + HOSTILE))
+    changed = replace(source, files=source.files | {name: text})
+    return with_own_prediction(TRAPEZOID, package.pack(changed, tmp_path_factory.mktemp("hostile") / "Mine.fmu"))
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "sentence"),
+    [
+        ("2", "Mine.fmu: fmi2DoStep returned fmi2Discard (evaluating the prediction)"),
+        ("3", "Mine.fmu: fmi2DoStep returned fmi2Error (evaluating the prediction)."),
+        ("4", "Mine.fmu: fmi2DoStep returned fmi2Fatal (evaluating the prediction)."),
+        ("5", "Mine.fmu: fmi2DoStep returned fmi2Pending, and asynchronous FMUs are not supported"),
+        ("7", "Mine.fmu: fmi2DoStep returned a number that is no fmi2Status (7, evaluating the prediction)."),
+        ("n", "Mine.fmu: output 'der(w[2])' is not a finite number (a prediction)."),
+    ],
+)
+def test_a_step_that_fails_ends_the_stop_as_diverged(hostile: Path, monkeypatch, behaviour: str, sentence: str):
+    monkeypatch.setenv("HOSTILE", behaviour)
+    monkeypatch.setenv("HOSTILE_MARK", os.devnull)
+    stop = run_stop(load(hostile, [STEPPED]))
+    assert stop.outcome is Outcome.DIVERGED
+    assert stop.reason.startswith(sentence)
+    assert 0.05 < stop.metrics.duration < 3.0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs POSIX signals")
+@pytest.mark.parametrize(
+    ("behaviour", "code", "sentence"),
+    [
+        ("s", -signal.SIGSEGV, "Mine.fmu crashed, or ended the program, into which trust = true loads it"),
+        ("a", -signal.SIGABRT, "Mine.fmu crashed, or ended the program"),
+        ("x", 3, "Mine.fmu crashed, or ended the program"),
+        ("l", 128 + signal.SIGINT, "Interrupted: Mine.fmu does not return, so the program ends at once."),
+    ],
+)
+def test_a_prediction_that_ends_or_holds_the_program_is_named(hostile: Path, tmp_path: Path, behaviour, code, sentence):
+    mark = tmp_path / "mark"
+    with subprocess.Popen(
+        [sys.executable, "-m", "railgrip", "run", hostile, "--set", STEPPED, "--out", tmp_path / "out"],
+        stderr=subprocess.PIPE, text=True, env=os.environ | {"HOSTILE": behaviour, "HOSTILE_MARK": str(mark)},
+    ) as process:  # fmt: skip
+        until(mark.exists)
+        if behaviour == "l":
+            process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=LONGEST)
+    assert process.returncode == code
+    assert sentence in errors
+    assert "Traceback" not in errors

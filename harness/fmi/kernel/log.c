@@ -1,6 +1,11 @@
 /* Collects the messages of FMUs, from any thread; see log.h. */
 
+#if !defined(_WIN32)
+#define _POSIX_C_SOURCE 200809L
+#endif
+
 #include <ctype.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +14,7 @@
 #include "log.h"
 
 #if defined(_WIN32)
+#include <io.h>
 #define EXPORT __declspec(dllexport)
 #else
 #include <unistd.h>
@@ -60,6 +66,49 @@ EXPORT void limit_messages(long long most, int code)
 {
     most_messages = most;
     exit_code = code;
+}
+
+static char sentence[TEXT];
+
+static void say(void)
+{
+    if (*sentence && write(2, sentence, strlen(sentence)) < 0)
+        return; /* there is nothing else to do */
+}
+
+/* By exit(); a regular end of Python takes the sentence back before. */
+static __attribute__((destructor)) void on_exit_of_fmu(void)
+{
+    say();
+    if (*sentence)
+        _exit(3);
+}
+
+#if !defined(_WIN32)
+static const int crashes[] = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL};
+enum { CRASHES = sizeof crashes / sizeof *crashes };
+static struct sigaction before[CRASHES];
+
+static void on_crash(int number)
+{
+    say();
+    for (int i = 0; i < CRASHES; i++)
+        if (crashes[i] == number)
+            sigaction(number, before + i, NULL);
+    raise(number);
+}
+#endif
+
+/* Until it is called with an empty text, the end of the process by code of an FMU prints this sentence. */
+EXPORT void announce_end(const char *text)
+{
+#if !defined(_WIN32)
+    const struct sigaction action = {.sa_handler = on_crash};
+
+    for (int i = 0; i < CRASHES && !*sentence != !*text; i++)
+        sigaction(crashes[i], *text ? &action : before + i, *text ? before + i : NULL);
+#endif
+    snprintf(sentence, sizeof sentence, "%s", text);
 }
 
 static const char *after_number(const char *text)

@@ -21,6 +21,7 @@ void open_log(Log *log);
 void close_log(Log *log);
 void record(Log *log, int status, const char *text);
 void limit_messages(long long most, int code);
+void announce_end(const char *text);
 long long address_of_logger(void);
 
 #endif

@@ -20,6 +20,7 @@ file = "build/axle_box/friction.json"   # from the working directory or the fold
 """
 
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -33,7 +34,7 @@ from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.network import QUANTILE
 from railgrip.estimators.learned.preprocessing import BOXES
 from railgrip.estimators.learned.trained import Trained, load, run
-from railgrip.fmi import Binding, Description, Port, bind, describe, open_plant
+from railgrip.fmi import Binding, Description, Port, bind, describe, foreign_code, open_plant
 from railgrip.report.palette import GREEN
 from railgrip.report.style import band, dress, panels
 from railgrip.scenario.load import read_toml, validate_table
@@ -208,7 +209,7 @@ def outputs_of_fmu(
     context = open_plant(
         description, binding, period=1 / rate, parameters={}, trusted=trusted, notify=notify, table="[estimator]"
     )
-    with context as model:
+    with foreign_code(description.file.name) if trusted else nullcontext(), context as model:
         model.start(rows[0])
         return dict(zip(binding.outputs.elements, np.array([model.step(row) for row in rows]).T, strict=True))
 
