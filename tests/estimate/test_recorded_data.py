@@ -400,7 +400,10 @@ def test_a_short_file_that_asks_for_much_memory_is_refused(tmp_path, monkeypatch
         file.create_dataset("v", shape=(300_000_000,), dtype="f4", chunks=(1000,))
     savemat(tmp_path / "old.mat", dict(frame.items()), do_compression=True)
     frame.to_parquet(tmp_path / "run.parquet")
-    for name in ("run.mat", "old.mat", "run.parquet"):
+    with pytest.importorskip("asammdf").MDF() as file:
+        file.append(frame)
+        file.save(tmp_path / "run.mf4", compression=2)
+    for name in ("run.mat", "old.mat", "run.parquet", "run.mf4"):
         with pytest.raises(EstimationError, match=rf"^{name}: has \d+ bytes and asks for \d+ values, \d+ MiB"):
             recording_from(tmp_path / name)
 
