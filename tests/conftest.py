@@ -129,14 +129,11 @@ def _classes_of_users_are_translated_in_this_process() -> Iterator[None]:
 
     tests/fmus/test_separate_process.py tests the process.
     """
-    from railgrip.base.errors import InputError, TranslationError
     from railgrip.fmus.native import separate_process
 
     def here(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
         answer = json.loads(json.dumps(separate_process._answer(task, class_name, library, arguments)))
-        if "refusal" in answer:
-            raise (TranslationError if answer["kind"] == "TranslationError" else InputError)(answer["refusal"])
-        return answer["result"]
+        return separate_process.result_of(answer, task, class_name, library, arguments.get("others", ()))
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(separate_process, "call", here)

@@ -324,20 +324,30 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
             raise
         if not is_diagnosed:
             raise InputError(str(error)) from error
+
+        def load(text: str, file: Path) -> None:
+            # The text of a file of a library counts instead of what is on disk.
+            is_single = path.name != "package.mo"
+            own = [] if is_single else [path.parent]
+            with _environment_of_rumoca():
+                _new_session(further, *own).loads(text, model=class_name, filename=alias if is_single else str(file))
+
         if is_panic:
-            sentences = limits(str(error), path, class_name) or [_describe_panic(str(error), path, class_name)]
+            sentences = limits(str(error), path, class_name, load) or [_describe_panic(str(error), path, class_name)]
             raise TranslationError("\n".join(sentences)) from error
         message = str(error).replace(alias, str(path))
         message = message if further is None else message.replace(f"{further}{os.sep}", "")
         if nested := nested_arrays(message, path, class_name):
             raise TranslationError("\n".join(nested)) from error
         cause = _diagnose(class_name, path, alias, further)
-        if sentences := limits(message, path, class_name):
+        if sentences := limits(message, path, class_name, load):
             raise TranslationError("\n".join(sentences)) from error
         message = explain(cause if message.endswith("because resolve/parse failed") and cause else message)
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
         where = path if further is None else short(path, path, further)
-        raise InputError(f"{class_name} does not compile ({where}): {message}{hints}") from error
+        is_limit = re.search("not supported|unsupported|could not be evaluated", message)
+        kind = TranslationError if is_limit else InputError
+        raise kind(f"{class_name} does not compile ({where}): {message}{hints}") from error
     if stored["schema_version"] != VERSION:
         raise InputError(
             f"rumoca {rumoca.version()} writes version {stored['schema_version']} of the DAE, this compiler reads "

@@ -2,8 +2,9 @@
 
 import re
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import rumoca
 from railgrip.base.errors import InputError
 from railgrip.base.files import read_bytes
 from railgrip.fmus.native.classes import KINDS, blank, without_texts
-from railgrip.fmus.native.library import BYTE_ORDER_MARK, LIBRARY, library_of, modelica_files, read_utf_8
+from railgrip.fmus.native.library import BYTE_ORDER_MARK, library_of, modelica_files, read_utf_8
 
 _MAXIMUM_PLACES = 3
 """Maximum number of places in a message."""
@@ -156,13 +157,14 @@ def nested_arrays(message: str, path: Path, class_name: str) -> tuple[str, ...]:
     return tuple((not_in_comprehension or every)[:_MAXIMUM_PLACES])
 
 
-def limits(message: str, path: Path, class_name: str) -> tuple[str, ...]:
+def limits(message: str, path: Path, class_name: str, load: Callable[[str, Path], object]) -> tuple[str, ...]:
     """Return sentences with file and line for failures of the front end on valid or invalid forms that it cannot name.
 
     Args:
         message: Message of the front end.
         path: See `places`.
         class_name: Name of the class to translate.
+        load: Function of another text of a file that translates the class with it.
     """
     if re.search(r":\d+:\d+\]", message):
         return ()
@@ -179,9 +181,8 @@ def limits(message: str, path: Path, class_name: str) -> tuple[str, ...]:
         found = list(
             _statements(limit.get("source", "").replace("{operator}", operator), groups.get("function"), texts)
         )
-        if not found and path.name != "package.mo":
-            (name, text), *_ = texts.items()
-            found = _culprits(name, text, class_name, message)
+        if not found:
+            found = list(dict.fromkeys(_culprits(path, class_name, message, load)))
         if not found:
             declaration = rf"\b(?:model|block|class)\s+{class_name.rpartition('.')[2]}\b"
             found = list(_statements(declaration, None, texts))[:1]
@@ -218,11 +219,15 @@ _LONGEST = 100
 """Maximum number of characters of a line in a message."""
 
 _MOST_TRIALS = 300
-"""Maximum number of statements that are left out in turn; each trial takes milliseconds."""
+"""Maximum number of statements that are left out in turn; each trial takes milliseconds in a small library."""
+_MOST_CHARACTERS = 20_000_000
+"""Maximum number of characters that all trials read, which takes some ten seconds."""
 _BEFORE_STATEMENT = re.compile(
-    r"\s*(?:(?:initial\s+)?(?:equation|algorithm)\b|(?:public|protected|then|else|loop|end)\b"
-    r"|(?:model|block|class|package|function)\s+\w+)?\s*"
+    r"\s*(?:(?:(?:initial\s+)?(?:equation|algorithm)|public|protected|else|(?:when|elsewhen|if|elseif)\b\s*(.*?)\bthen"
+    r"|for\b.*?\bloop|(?:model|block|class|package|function)\s+\w+)\b\s*)?",
+    re.DOTALL,
 )
+"""What may precede a statement up to the last semicolon; its group is a condition."""
 
 
 def _ends(plain: str) -> Iterator[int]:
@@ -234,38 +239,52 @@ def _ends(plain: str) -> Iterator[int]:
             yield k
 
 
-def _culprits(name: str, text: str, class_name: str, message: str) -> list[tuple[str, str]]:
-    """Return the statements of a single file without which the front end does not fail in this way."""
-    plain, start = without_texts(text), 0
-    stage, cause = message.partition(": ")[0], message.rpartition(": ")[2]
-    roots = [str(LIBRARY)] if "RailBraking" in text else []
-    statements: list[tuple[int, int]] = []
+def _replacements(plain: str) -> Iterator[tuple[int, int, str]]:
+    """Yield begin and end of conditions and right sides of a text, each with what has the same type and sizes."""
+    start = 0
     for end in _ends(plain):
-        before = _BEFORE_STATEMENT.match(plain, start)
-        statements.append((before.end() if before else start, end))
+        before = _BEFORE_STATEMENT.match(plain, start, end)
+        while before and before.end() > start:
+            start = before.end()
+            if before[1]:
+                yield *before.span(1), " time > 1 "
+            before = _BEFORE_STATEMENT.match(plain, start, end)
+        equals = re.compile(r"(?<![<>=]):?=(?!=)\s*").search(plain, start, end)
+        if equals:  # the left side, or the declared name on it
+            left = plain[start : equals.start()]
+            for side in (left, *re.findall(r"\b(\w+)\s*(?:\[[^\]]*\]\s*)?(?:\(.*\)\s*)?$", left, re.DOTALL)):
+                yield equals.end(), end, f" {side} "
         start = end + 1
 
-    def is_needed(begin: int, end: int, instead: str) -> bool:
+
+def _culprits(
+    path: Path, class_name: str, message: str, load: Callable[[str, Path], object]
+) -> Iterator[tuple[str, str]]:
+    """Yield the statements without which the front end does not fail in this way, in the file of the class first."""
+    stage, cause = message.partition(": ")[0], message.rpartition(": ")[2]
+    if "could not be compiled" in stage:
+        return
+
+    def is_needed(file: Path, without: str) -> bool:
         try:
-            without = text[:begin] + instead + text[end:]
-            rumoca.Session(roots=roots).loads(without, model=class_name, filename=name)
+            load(without, file)
         except (rumoca.RumocaError, RuntimeError) as error:
             # An error of an earlier stage, or too few equations, shows that the rest of the text needs the statement.
             outcome = str(error)
-            if "could not be compiled" in stage:
-                return False
             return outcome.startswith(stage) and "unbalanced model" not in outcome and not outcome.endswith(cause)
         return True
 
-    found: list[tuple[str, str]] = []
-    for begin, end in statements[:_MOST_TRIALS]:
-        # A right side is replaced by the left one, which has the same type and sizes.
-        equals = re.compile(r"(?<![<>=]):?=(?!=)").search(plain, begin, end)
-        sides = [] if equals is None else [text[begin : equals.start()]]
-        sides += re.findall(r"\b(\w+)\s*(?:\[[^\]]*\]\s*)?(?:\(.*\)\s*)?$", sides[0], re.DOTALL) if sides else []
-        if equals and any(is_needed(equals.end(), end, f" {side} ") for side in sides):
-            found.append(_line_at(name, text, begin))
-    return found
+    texts = {file: read_bytes(file).decode(errors="replace") for file in _files(path)}
+    own = re.compile(rf"\b(?:{KINDS})\s+{class_name.rpartition('.')[2]}\b")
+    trials = (
+        (file, text, *trial)
+        for file, text in sorted(texts.items(), key=lambda item: not own.search(item[1]))
+        for trial in _replacements(without_texts(text))
+    )
+    size = sum(map(len, texts.values()))
+    for file, text, begin, end, instead in islice(trials, min(_MOST_TRIALS, _MOST_CHARACTERS // max(size, 1))):
+        if is_needed(file, text[:begin] + instead + text[end:]):
+            yield _line_at(short(file, path), text, begin)
 
 
 def _undeclared_use(path: Path, texts: dict[str, str]) -> Iterator[str]:

@@ -9,10 +9,9 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
-from itertools import chain
 from typing import Any
 
-from railgrip.base.errors import TranslationError
+from railgrip.base.errors import InputError, TranslationError
 from railgrip.fmus.native import connections, names
 from railgrip.fmus.native.classes import (
     KINDS,
@@ -45,6 +44,8 @@ _CLASS_EXTENDS = (
     "`{0} extends {1}` is not supported by the built-in compiler (7.3.1); write a class of another name that extends "
     "the inherited {1}, and redeclare {1} as that class in the extends clause"
 )
+_OURS = "built-in compiler"
+"""Words of findings on valid Modelica."""
 _MAXIMUM_FINDINGS = 3
 """Maximum number of findings in a message."""
 
@@ -59,15 +60,14 @@ def require_strict(tree: Tree, class_name: str, flat: Mapping[str, Node], calls:
         calls: Calls of functions in the flat class.
 
     Raises:
-        TranslationError: The class has such constructs; the message lists them with file and line.
+        InputError: The class is illegal; the message lists the constructs with file and line.
+        TranslationError: It is legal, and has constructs that rumoca misreads.
     """
-    refuse(
-        f"{class_name} has valid Modelica that the built-in compiler does not translate; OpenModelica "
-        f"(openmodelica.org) builds it: `railgrip build --compiler openmodelica ... {class_name}`",
-        names.misread_clauses(tree),
-    )
-    every = chain(_Checker(tree, class_name).findings(), names.findings(tree), connections.findings(tree, flat))
-    refuse(f"{class_name} does not conform to the Modelica language", every)
+    found = [*_Checker(tree, class_name).findings(), *names.findings(tree), *connections.findings(tree, flat)]
+    misread = [*names.misread_clauses(tree), *(sentence for sentence in found if _OURS in sentence)]
+    illegal = (sentence for sentence in found if _OURS not in sentence)
+    refuse(f"{class_name} does not conform to the Modelica language", illegal, InputError)
+    refuse(f"{class_name} has Modelica that the built-in compiler does not translate", misread)
     refuse(f"{class_name} would call the wrong function", names.confused_calls(tree, calls))
 
 
@@ -87,7 +87,7 @@ def require_values(
         complete: Whether the parameters of components must have a value.
 
     Raises:
-        TranslationError: A constant, or a parameter of a component, has no value and is not an array of size zero.
+        InputError: A constant, or a parameter of a component, has no value and is not an array of size zero.
     """
 
     def kind(name: str, variable: Node) -> str:
@@ -105,19 +105,16 @@ def require_values(
             for name, variable in variables.items()
             if kind(name, variable)
         ),
+        InputError,
     )
 
 
-def refuse(what: str, sentences: Iterable[str]) -> None:
-    """Raise an error with the first of some sentences, if there are any.
-
-    Raises:
-        TranslationError: There are sentences.
-    """
+def refuse(what: str, sentences: Iterable[str], kind: type[InputError] = TranslationError) -> None:
+    """Raise an error of a kind with the first of some sentences, if there are any."""
     every = list(dict.fromkeys(sentences))
     if every:
         more = [f"and {len(every) - _MAXIMUM_FINDINGS} more"] if len(every) > _MAXIMUM_FINDINGS else []
-        raise TranslationError("\n  ".join([f"{what}:", *every[:_MAXIMUM_FINDINGS], *more]))
+        raise kind("\n  ".join([f"{what}:", *every[:_MAXIMUM_FINDINGS], *more]))
 
 
 @dataclass(frozen=True)

@@ -39,8 +39,8 @@ _BRANCHES = (
     "expressions"
 )
 _ELEMENT = (
-    "a part of an array in a when equation (8.3.5); assign all elements in one when equation without elsewhen whose "
-    "condition has no iterator"
+    "a part of an array in a when equation (8.3.5); assign all elements, of a number that is written in its class, in "
+    "one when equation without elsewhen whose condition has no iterator"
 )
 _REINIT = "reinit of an element of an array (8.3.6); declare the states as scalars"
 _INSIDE = "an if equation in a when equation (8.3.5); write an if expression, `y = if ... then ... else ...`"

@@ -18,6 +18,7 @@ What is not certain to keep its meaning stays as it is, and is refused as before
 
 import contextlib
 import re
+from collections import ChainMap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
@@ -83,12 +84,12 @@ class _Declaration:
 
 @dataclass(slots=True)
 class _Scope:
-    """A class: its kind, the variables that it declares, and its sections: keyword, first token, end."""
+    """A class: its kind, variables of it and the classes around it, and its sections: keyword, first token, end."""
 
     kind: str
     name: str = ""
     is_short: bool = False
-    variables: dict[str, _Declaration] = field(default_factory=dict[str, _Declaration])
+    variables: ChainMap[str, _Declaration] = field(default_factory=ChainMap[str, _Declaration])
     sections: list[tuple[str, int, int]] = field(default_factory=list[tuple[str, int, int]])
 
 
@@ -177,7 +178,8 @@ def _scopes(tokens: Sequence[_Token]) -> list[_Scope]:
                 i += 1
                 kind = tokens[i].text if tokens[i].text in _CLASS else kind
             i += 1
-            stack.append(_Scope(kind, tokens[i].text, is_short=tokens[i + 1].text == "="))
+            is_short, around = tokens[i + 1].text == "=", stack[-1].variables
+            stack.append(_Scope(kind, tokens[i].text, is_short=is_short, variables=around.new_child()))
             begin = i + 1
         elif word == "end" and tokens[i + 1].text == stack[-1].name:
             close()
@@ -209,7 +211,8 @@ def _scopes(tokens: Sequence[_Token]) -> list[_Scope]:
 def _declare(scope: _Scope, tokens: Sequence[_Token]) -> None:
     words = [token.text for token in tokens]
     k = 0
-    while k < len(words) and words[k] in _PREFIXES | _ACCESS | _VARIABILITIES:
+    # The description of the class precedes its first declaration.
+    while k < len(words) and (words[k] in _PREFIXES | _ACCESS | _VARIABILITIES or words[k][0] in '"+'):
         k += 1
     prefixes, rest = frozenset(words[:k]), tokens[k:]
     if len(rest) < 2 or rest[0].text in ("import", "extends", "annotation", "external", "end"):
@@ -316,7 +319,8 @@ def _iterators(tokens: Sequence[_Token]) -> tuple[tuple[str, tuple[_Token, ...]]
 
 
 _FUNCTIONS: Mapping[str, Any] = {
-    "integer": floor, "floor": floor, "ceil": ceil, "abs": abs, "min": min, "max": max, "sqrt": lambda x: x**0.5
+    "integer": floor, "floor": floor, "ceil": ceil, "abs": abs, "min": min, "max": max, "sqrt": lambda x: x**0.5,
+    "mod": lambda x, y: x - floor(x / y) * y, "rem": lambda x, y: x - int(x / y) * y, "div": lambda x, y: int(x / y),
 }  # fmt: skip
 
 
@@ -565,9 +569,11 @@ class _Unroller:
             words = [token.text for token in variable.rest if token.text[0] != '"'] if variable else []
             if not variable or not variable.has_known_value or words[:1] != ["="]:
                 return match[0]
-            # Nothing else may give it another value.
-            once = len(re.findall(rf"\b{match[0]}\s*=(?!=)", self.every)) == 1
-            return f"({' '.join(words[1:])})" if once else match[0]
+            # Nothing else may give it another value; other classes may declare a variable of its name.
+            before = re.findall(rf"(\S*)\s*\b{match[0]}\s*=(?!=)", self.every)
+            is_redeclared = re.search(rf"\bredeclare\b[^;,()]*\sInteger\s+{match[0]}\b", self.every)
+            is_own = len(before) == 1 or (set(before) == {"Integer"} and not is_redeclared)
+            return f"({' '.join(words[1:])})" if is_own else match[0]
 
         def size_of(match: re.Match[str]) -> str:
             variable = self.scope.variables.get(match[1])

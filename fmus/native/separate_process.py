@@ -7,10 +7,11 @@ are translated in the caller's process.
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
@@ -22,7 +23,11 @@ from railgrip.base.errors import InputError, TranslationError
 _TASKS: Final = {"translate": "railgrip.fmus.build", "lower": "railgrip.fmus.native.equations"}
 """Task → module whose function TASK_here the process calls; arguments and result are JSON."""
 
-_ADVICE: Final = "make it smaller, or build it with OpenModelica (--compiler openmodelica)"
+_WAY_OUT: Final = (
+    "The class may be valid Modelica that the built-in compiler does not translate. OpenModelica may build it:\n"
+    "  railgrip build --compiler openmodelica {options} {class_name}\n"
+    "docs/how_to/install.md#openmodelica says where to get it; with omc on the PATH railgrip uses it by itself."
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,30 +75,49 @@ def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
             start_new_session=True,  # Ctrl-C interrupts only this process, which then ends the other
         )
     except subprocess.TimeoutExpired:
-        raise _too_large(class_name, f"takes more than {LIMITS.seconds} s to translate") from None
-    if done.returncode:
-        raise _process_failure(class_name, done.returncode, done.stderr.decode(errors="replace"))
-    sys.stderr.write(done.stderr.decode(errors="replace"))  # warnings
-    answer = json.loads(done.stdout)
-    if "refusal" in answer:
-        raise (TranslationError if answer["kind"] == "TranslationError" else InputError)(answer["refusal"])
-    return answer["result"]
+        answer = _refuse(f"{class_name} takes more than {LIMITS.seconds} s to translate; make it smaller.")
+    else:
+        message = done.stderr.decode(errors="replace")
+        if done.returncode:
+            problem = _process_failure(done.returncode, message)
+            answer = _refuse(f"{class_name} {problem}; make it smaller.")
+        else:
+            sys.stderr.write(message)  # warnings
+            answer = json.loads(done.stdout)
+    return result_of(answer, task, class_name, library, arguments.get("others", ()))
 
 
-def _too_large(class_name: str, what: str) -> TranslationError:
-    return TranslationError(f"{class_name} {what}; {_ADVICE}.")
+def result_of(answer: dict[str, Any], task: str, class_name: str, library: Path, others: Sequence[str] = ()) -> Any:
+    """Return the result in an answer of the process; arguments are those of `call`.
+
+    Raises:
+        TranslationError: The answer is a refusal of a class that another compiler may build to an FMU, with how.
+        InputError: It is any other refusal.
+    """
+    if "refusal" not in answer:
+        return answer["result"]
+    if answer["kind"] != "TranslationError":
+        raise InputError(answer["refusal"])
+    libraries = [Path(one) for one in (str(library), *others)]
+    here = [one.relative_to(Path.cwd()) if one.is_relative_to(Path.cwd()) else one for one in libraries]
+    options = " ".join(f"--library {shlex.quote(str(one))}" for one in here)
+    way_out = "\n" + _WAY_OUT.format(options=options, class_name=class_name) if task == "translate" else ""
+    raise TranslationError(answer["refusal"] + way_out)
 
 
-def _process_failure(class_name: str, code: int, message: str) -> TranslationError:
+def _refuse(sentence: str) -> dict[str, Any]:
+    return {"kind": "TranslationError", "refusal": sentence}
+
+
+def _process_failure(code: int, message: str) -> str:
     if code in _KILLED:
-        return _too_large(class_name, f"takes more than {LIMITS.seconds} s to translate, or too much memory")
+        return f"takes more than {LIMITS.seconds} s to translate, or too much memory"
     if "memory" in message:  # Rust aborts, C++ throws bad_alloc: both messages contain it
-        return _too_large(class_name, f"takes more than {LIMITS.memory_mib} MiB to translate")
+        return f"takes more than {LIMITS.memory_mib} MiB to translate"
     end = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-    return _too_large(
-        class_name,
+    return (
         "has an expression that is too long, or an expression or packages that are nested too deeply: its compiler "
-        f"ended with {end}",
+        f"ended with {end}"
     )
 
 
@@ -115,20 +139,20 @@ def _answer(task: str, class_name: str, library: Path, arguments: dict[str, Any]
     try:
         return {"result": function(class_name, library, **arguments)}
     except InputError as error:
-        return {"kind": type(error).__name__, "refusal": str(error)}
+        kind = "TranslationError" if isinstance(error, TranslationError) else "InputError"
+        return {"kind": kind, "refusal": str(error)}
     except MemoryError:
         _exit_with("out of memory")
     except RecursionError:
         problem = "an expression that is too long or nested too deeply, or a function that calls itself"
-        return {"kind": "TranslationError", "refusal": f"{class_name} has {problem}."}
+        return _refuse(f"{class_name} has {problem}.")
     except BaseException as error:  # the panic of a Rust extension is not an Exception
         if not isinstance(error, Exception) and type(error).__name__ != "PanicException":
             raise
         if "bad_alloc" in str(error):
             _exit_with("out of memory")
         last_line = f"{type(error).__name__}: {error}".strip().splitlines()[-1]
-        problem = f"the built-in compiler fails on this class ({last_line}); simplify it, or build it with OpenModelica"
-        return {"kind": "TranslationError", "refusal": f"{class_name}: {problem}."}
+        return _refuse(f"{class_name}: the built-in compiler fails on this class ({last_line}); simplify it.")
 
 
 def _exit_with(message: str) -> NoReturn:

@@ -149,4 +149,3 @@ def test_a_panic_of_the_front_end_is_a_sentence(monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setattr("railgrip.fmus.native.equations.lower_here", panic)
     answer = separate_process._answer("lower", "M", tmp_path, {})
     assert "M: the built-in compiler fails on this class" in answer["refusal"]
-    assert "build it with OpenModelica" in answer["refusal"]

@@ -107,7 +107,7 @@ def test_a_type_may_modify_attributes_of_another_type(tmp_path, types, start):
     text = f"{types} model X Distance x(fixed=true); equation der(x) = 1; end X;"
     system = explicit(read("P.X", file_of(tmp_path, text)))
     assert float(column([s.start for s in system.variables.states])) == start
-    with pytest.raises(TranslationError, match=r"'unt' is not an attribute of (Distance|Middle)"):
+    with pytest.raises(InputError, match=r"'unt' is not an attribute of (Distance|Middle)"):
         read("P.X", file_of(tmp_path, text.replace("Length(", "Length(unt=1, ").replace("Real(unt=1, ", "Real(")))
 
 
@@ -116,7 +116,7 @@ def test_every_finding_names_its_line(tmp_path):
         tmp_path, "  model X\n    Lost n(redeclare B a);\n    A b(\n      q=1,\n      hidden=2);\n  end X;\n"
     )
     lines = file.read_text().splitlines()
-    with pytest.raises(TranslationError) as refusal:
+    with pytest.raises(InputError) as refusal:
         read("P.X", file)
     named = [int(number) for number in re.findall(r"P\.mo:(\d+): ", str(refusal.value))]
     assert sorted(lines[n - 1].strip() for n in named) == [

@@ -129,7 +129,7 @@ equation
  der(x) = v;
 end M;
 
-// valid Modelica .*OpenModelica (.|\n)*a when statement in an algorithm section(.|\n)*and 2 more; when
+// a when statement in an algorithm section(.|\n)*and 2 more; when
 package P
  model Overwritten discrete Real a(start=0, fixed=true), b(start=0, fixed=true);
  algorithm
@@ -179,7 +179,7 @@ equation
  end when;
 end M;
 
-// OpenModelica(.|\n)*a part of an array in a when equation .*\n(.|\n)*a part of an array(.|\n)*reinit of an element; [
+// a part of an array in a when equation .*\n(.|\n)*a part of an array(.|\n)*reinit of an element; [
 model M
  Integer n[2](each start=0,each fixed=true), m[2](each start=0,each fixed=true);
  Real x[2](each start=0,each fixed=true);
@@ -429,7 +429,7 @@ model M
 output Real y(start=2); algorithm if time > 1 then y := 1; end if;
 end M;
 
-// .;
+// illegal: .;
 model M
 output Real y; algorithm y := 1; while y < 4*time loop y := y + 1; end while;
 end M;
@@ -449,7 +449,7 @@ model M
 output Real y; algorithm for i in 1:2 loop i := 3; y := i; end for;
 end M;
 
-// .;
+// illegal: .;
 model M
 parameter Real p; output Real y; algorithm y := 0; p := 1; y := y + p;
 end M;
@@ -490,3 +490,98 @@ initial equation b = true; equation b = x > 0.5; der(x) = -1; end M;
 // Model.mo:2: M: initial\(\) and sample\(\) are supported in when clauses only;
 model M Real x(start=1, fixed=true); Real y;
 equation der(x) = -x; y = if initial() then 5 else x; end M;
+
+// a part of an array in a when equation; [
+block M
+ input Real slip[4];
+ discrete output Real d[4](each start=0, each fixed=true);
+equation
+ when sample(0, 0.01) then
+  d[1:2] = slip[1:2];
+  d[3:4] = slip[3:4];
+ end when;
+end M;
+
+// a part of an array in a when equation; y[
+model M
+ discrete Real y[2](each start=0, each fixed=true);
+equation
+ when time > 0.5 then
+  y[1] = 1;
+  y[2] = 2;
+ elsewhen time > 0.2 then
+  y[1] = 3;
+  y[2] = 4;
+ end when;
+end M;
+
+// change of an input .*`Integer copy = k.*change\(copy\); change(k)
+block M
+ input Integer k(start=0);
+ output Integer n(start=0, fixed=true);
+equation
+ when
+  change(k) then
+  n = pre(n) + 1;
+ end when;
+end M;
+
+// pre of an input; n = k - pre(k)
+block M
+ input Integer k(start=0);
+ output Integer n(start=0, fixed=true);
+equation
+ when sample(0, 0.1) then
+  n = k - pre(k);
+ end when;
+end M;
+
+// an initial algorithm for x is not supported; initial algorithm
+model M
+ Real x(start=1);
+initial algorithm
+ x := 2;
+equation
+ der(x) = -x;
+end M;
+
+// enumeration an equation each; in E
+model M
+ type E = enumeration(one, two);
+ Real x[E];
+equation
+ for e in E loop
+  x[e] = Integer(e)*time;
+ end for;
+end M;
+
+// enumeration an equation each; E.one:E.two
+package P type E = enumeration(one, two); model M
+ Real x[E];
+equation
+ for e in E.one:E.two loop
+  x[e] = Integer(e)*time;
+ end for;
+end M; end P;
+
+// an iterator over an enumeration; sum(
+package P type E = enumeration(one, two); model M
+ parameter Real k[E] = {1, 2};
+ Real y =
+  sum(k[e] for e in E);
+end M; end P;
+
+// dimension expression could not be evaluated; Boolean
+model M
+ Real x[Boolean] = {1, 2}*time;
+ output Real y = x[true];
+end M;
+
+// does not support this form; Clock
+model M
+ Real x(start=1, fixed=true);
+ discrete Real y;
+equation
+ der(x) = -x;
+ when Clock(0.1) then y = sample(x); end when;
+end M;

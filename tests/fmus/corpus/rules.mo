@@ -735,6 +735,13 @@ model A parameter Integer m = 2; Integer k[m](each start=0, each fixed=true); Re
 equation for i in 1:m loop der(x[i]) = i; when sample(0.1, 0.1) then k[i] = pre(k[i]) + i; end when; end for; end A;
 model M A a[2]; end M;
 
+// 8.3.5 a controller of four groups next to a class with a size of that name; y[1] = 1 + math.floor(t / 0.1 + 1e-09); y[2] = 1 + 2 * (5 - abs(5 - math.floor(t / 0.1 + 1e-09))); y[3] = 1 + 3 * (3 - abs(3 - math.floor(t / 0.1 + 1e-09))); y[4] = 1 + 4 * math.floor(t / 0.1 + 1e-09); a.z[2] = t
+model A parameter Integer groups = 2; Real z[groups] = fill(time, groups); end A;
+model M "controller of" + " groups" parameter Integer groups = 4; parameter Real k = 1.1; Real slip[groups] = {0, 1, 2, 3}*time; A a;
+Boolean low[groups](each start=false, each fixed=true); Real y[groups](each start=1, each fixed=true); equation
+when sample(0.1, 0.1) then for i in 1:groups loop low[i] = slip[mod(i, 4) + 1] > k;
+y[i] = if low[i] then pre(y[i]) - i else pre(y[i]) + i; end for; end when; end M;
+
 // refused: 8.3.5 elsewhen in an algorithm; y = 0 if t < 0.3 else 1 if t < 0.6 else 2
 model M Integer y(start=0, fixed=true); algorithm when time > 0.3 then y := 1; elsewhen time > 0.6 then y := 2;
 end when; end M;

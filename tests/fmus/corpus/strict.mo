@@ -117,7 +117,7 @@ model X extends N; redeclare E n; end X;
 model X extends N; redeclare Other plain; end X;
 
 // lenient: two modifiers with dotted names; the modifier of 'n\.k' would be lost .*n\(k = \.\.\.\)
-model Y N n; end Y; model X Y y(n.k=1, n.l=2); end X;
+model Y N n; end Y; model X Y y(n.k=1, n.c=2); end X;
 
 // lenient: a final modifier with a dotted name; write nested brackets: q\(start
 model X A a(final q.start=1); end X;
