@@ -1,7 +1,7 @@
 package RailBraking "Railway braking at low adhesion: contact, pads, pneumatics, bogies and the trains made of them"
   constant Types.Acceleration g = 9.81 "Acceleration of gravity";
   annotation (
-    version="0.1.0",
+    version="0.2.0",
     Documentation(info="<html>
 <p>
 Plants and prediction models for research on wheel-slide protection and adhesion estimation. The classes of

@@ -34,6 +34,10 @@ def test_the_citation_has_version_and_date_of_the_newest_release():
 def test_the_modelica_library_has_the_version_of_the_project():
     package = (ROOT / "modelica/RailBraking/package.mo").read_text(encoding="utf-8")
     assert f'version="{releases()[0][0]}"' in package
+    notes = (ROOT / "modelica/RailBraking/UsersGuide/ReleaseNotes.mo").read_text(encoding="utf-8")
+    assert re.findall(r"<h4>Version (\S+)</h4>", notes) == [version for version, _ in releases()]
+    example = (ROOT / "docs/examples/SimpleTrain/package.mo").read_text(encoding="utf-8")
+    assert f'uses(RailBraking(version="{releases()[0][0]}"))' in example
 
 
 def test_no_text_asks_for_extras_of_a_name_that_is_on_no_index():

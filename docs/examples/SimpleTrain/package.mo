@@ -1,7 +1,7 @@
 package SimpleTrain "Trains of any number of equal wheelsets, made of parts of RailBraking"
   annotation (
     version="1.0.0",
-    uses(RailBraking(version="0.1.0")),
+    uses(RailBraking(version="0.2.0")),
     Documentation(info="<html>
 <p>
 A library of one's own beside <code>RailBraking</code>: the pattern for bringing a train as Modelica. Inputs, outputs and

@@ -3,6 +3,20 @@ class ReleaseNotes "Release notes"
   annotation (
     DocumentationClass=true,
     Documentation(info="<html>
+<h4>Version 0.2.0</h4>
+<ul>
+<li>Gradients and curves act on each wheelset: <code>Vehicles.PartialConsist</code> has the further input
+<code>car_track_force</code>.</li>
+<li><code>LateralLiteral</code> is <code>LateralReconstruction</code>.</li>
+<li><code>Contact.HeatedContact</code> and <code>Contact.CleaningContact</code>: friction that falls with the
+temperature of the contact, and a film that its slip removes. Two-part train and wagon have
+<code>TrainContact</code>.</li>
+<li><code>Contact.SimplifiedContact</code>: contact forces by Kalker's simplified theory. <code>AxleShaft</code>,
+<code>BogieShaft</code> and so on: <code>Components.ElasticShaft</code> twists between wheels and brake discs.
+<code>BogieRail</code> and so on: <code>Tracks.UnevenRail</code> moves the wheelsets up and down. Riggings extend
+<code>Interfaces.PartialRigging</code>; <code>Pneumatics.HystereticRigging</code> has no input for the rate of the
+pressure any more, and friction of the seal's preload, <code>p_seal</code>.</li>
+</ul>
 <h4>Version 0.1.0</h4>
 <ul>
 <li>Two-part train with ideal cylinders or valves, and its prediction models.</li>
@@ -25,14 +39,6 @@ a train keeps the limit.</li>
 <li>Axles, bogies and cars give records, <code>group</code>, <code>wheelset</code> and <code>totals</code>, in place of
 an output for each quantity: <code>bogie.group.slip</code> for <code>bogie.slip</code>,
 <code>bogie.totals.capacity</code> for <code>bogie.capacity</code>. Outputs of FMUs keep their names.</li>
-<li><code>Contact.HeatedContact</code> and <code>Contact.CleaningContact</code>: friction that falls with the
-temperature of the contact, and a film that its slip removes. Two-part train and wagon have
-<code>TrainContact</code>.</li>
-<li><code>Contact.SimplifiedContact</code>: contact forces by Kalker's simplified theory. <code>AxleShaft</code>,
-<code>BogieShaft</code> and so on: <code>Components.ElasticShaft</code> twists between wheels and brake discs.
-<code>BogieRail</code> and so on: <code>Tracks.UnevenRail</code> moves the wheelsets up and down. Riggings extend
-<code>Interfaces.PartialRigging</code>; <code>Pneumatics.HystereticRigging</code> has no input for the rate of the
-pressure any more, and friction of the seal's preload, <code>p_seal</code>.</li>
 <li>Icons, and places for all components in diagrams.</li>
 </ul>
 </html>"));
