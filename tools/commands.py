@@ -12,6 +12,7 @@ import typer
 from calibration import calibrate as fit_levels
 from conditioning import Refinement, campaign_of, conditioning_of, merged, repeats_of, with_refinement
 from fmu_survey import survey, survey_table
+from installed_sizes import sizes_table
 from study_pages import execute
 from study_pages import pages as all_pages
 from validation import (
@@ -59,6 +60,7 @@ from railgrip.studies.field_test.score import tune as search_for
 from railgrip.studies.papers.table1 import SBC
 
 FOREIGN = Path("docs/foreign_fmus.md")
+INSTALL = Path("docs/how_to/install.md")
 
 
 def validation(
@@ -299,6 +301,14 @@ def fmus(
         write_tables(FOREIGN, {"fmus": table})
 
 
+def sizes(write: Annotated[bool, typer.Option("--write", help=f"Write the table into {INSTALL}.")] = False) -> None:
+    """Print the sizes of the packages that an installation consists of."""
+    table = sizes_table()
+    show_table(table)
+    if write:
+        write_tables(INSTALL, {"sizes": table})
+
+
 def pages(
     names: Annotated[list[str] | None, typer.Argument(metavar="NAME", help="Pages; all unless given.")] = None,
     anew: Annotated[bool, typer.Option("--anew", help="Run all cases again, and replace the stored tables.")] = False,
@@ -321,7 +331,7 @@ def pages(
 
 tools = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 tools.callback()(program)
-for each in (conditioning, discretisation, validation, calibrate, tune, fmus, pages):
+for each in (conditioning, discretisation, validation, calibrate, tune, fmus, sizes, pages):
     tools.command()(each)
 
 

@@ -81,6 +81,7 @@ COMMANDS = {
     "tools discretisation one.toml --repeats 1 --stops plain-sbc --only steps --workers 1 --fresh": "one.cond",
     "tools validation --baselines tests/baselines --docs docs": "docs/validation.md",
     "tools fmus build/fmus --out out/fmus.csv --write": "out/fmus.csv",
+    "tools sizes --write": "casadi",
     "tools pages two_maxima --anew --quick": "build/studies/two_maxima/two_maxima_1.svg",
     "maintain regress --baselines small --out out/regress --workers 1 --import-from . --json": "small/etcs.toml",
     "maintain regress --baselines small --out out/regress --workers 1 --junit out/junit.xml": "out/junit.xml",
