@@ -172,9 +172,29 @@ static int leave_branch(Instance *m, double t, double *h, const double *g) {
 }
 #endif
 
-/* Take one internal step towards `target`; `linear` is whether the model is already linearised at its start, `event`
- * becomes whether the step ended at a state event. */
-static int internal_step(Instance *m, double target, int linear, int *event) {
+/* Whether a relation changes at the beginning of a step of size h, at whose end it has its value again, as that of the height
+ * of a ball which bounces and falls within the step. */
+static int changes_twice(Instance *m, double t, double h) {
+    State *s = &m->s;
+    Work *w = &m->w;
+    double x[NX + 1], z[NZ + 1];
+    for (int i = 0; i < NX; i++) x[i] = w->x0[i] + h * w->f0[i];
+#if NG
+    double g[NG];
+    memcpy(g, s->g, sizeof g);
+    int unsolved = loops(m, t + h, x);
+    if (!unsolved) indicators(s, t + h, x, z);
+    memcpy(s->g, g, sizeof g);
+    if (unsolved) return 0;
+#else
+    indicators(s, t + h, x, z);
+#endif
+    return crossed(s, z);
+}
+
+/* Take one internal step towards `target`; `linear` is whether the model is already linearised at its start, `left` whether
+ * it starts at an event, `event` becomes whether the step ended at a state event. */
+static int internal_step(Instance *m, double target, int linear, int left, int *event) {
     State *s = &m->s;
     Work *w = &m->w;
     const double t = s->v[TIME], longest = search_length(m), order = s->v[SOLVER] == 3 ? 1.0 / 3 : 0.25;
@@ -229,6 +249,15 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
             /* A step that was shortened to the communication point does not reduce the step size. */
             s->h = h < 0.999 * s->h && grown < s->h ? s->h : grown;
             *event = crossed(s, w->z1);
+            if (left && !*event && changes_twice(m, t, LEFT_PART * h)) {
+#if NG
+                memcpy(s->g, g, sizeof g);
+#endif
+                s->h = LEFT_PART * h;
+                rejected = 1;
+                left = 0;
+                continue;
+            }
             if (*event && locate(m, t, &h)) return 1;
             s->v[STEPS]++;
             accept(m, !*event && whole ? target : t + h);
@@ -282,7 +311,7 @@ static int endless(Instance *m) {
 /* Advance to time `end`. */
 static int advance(Instance *m, double end) {
     State *s = &m->s;
-    int jumped, crowd = 0, now = 0, linear = 0;
+    int jumped, crowd = 0, now = 0, linear = 0, left;
     double last = -INFINITY;
     double more = ATTEMPTS_PER_SECOND * (end - s->v[TIME]);
     more = more > ATTEMPTS_AT_LEAST ? more : ATTEMPTS_AT_LEAST;
@@ -294,12 +323,13 @@ static int advance(Instance *m, double end) {
     }
     if (!now) now = input_event(m, &linear);
     if (now != 0 && (now < 0 || events(m, 0, &jumped))) return 1;
+    left = now;
     while (s->v[TIME] < end || s->hi <= end) {
         double target = s->hi < end ? s->hi : end;
         int event = 0;
         if (NX) {
-            for (; !event && target - s->v[TIME] > 4 * DBL_EPSILON * fabs(target); linear = 0)
-                if (endless(m) || internal_step(m, target, linear, &event)) return 1;
+            for (; !event && target - s->v[TIME] > 4 * DBL_EPSILON * fabs(target); linear = left = 0)
+                if (endless(m) || internal_step(m, target, linear, left, &event)) return 1;
         } else {
             m->attempts--;
             if (endless(m) || (NZ && (event = search(m, &target)) < 0)) return 1;
@@ -309,6 +339,7 @@ static int advance(Instance *m, double end) {
         if (!event) s->v[TIME] = target;
         if (event || s->v[TIME] >= s->hi) {
             if (events(m, 0, &jumped)) return 1;
+            left = 1;
             crowd = s->v[TIME] - last < 1e-9 ? crowd + 1 : 0;
             last = s->v[TIME];
             if (crowd > 1000) return failure(m, "more than 1000 events within 1 ns at time = %.9g s: the model chatters", last);

@@ -43,6 +43,7 @@ enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED };
 #define EVENT_TIME 1e-10 /* accuracy of the location of state events [s] */
 /* Time events are evaluated just after their instant, so that `time > T` holds and floor(time/T) has its next value. */
 #define AFTER(t) ((t) + 1e-14 * (1 + fabs(t)))
+#define LEFT_PART 1e-3   /* part of a step after an event at whose end relations are checked for changes */
 #define EVENT_EPS 1e-9   /* hysteresis of Model Exchange indicators */
 /* Parts in which a communication step is searched for zeros of functions that may have several in one internal step: their
  * largest number, and their smallest size [s]. */
