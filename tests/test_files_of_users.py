@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from synthetic import TWO_PART_TRAIN
+from wrong import table
 
 from railgrip import run
 from railgrip.base.errors import InputError
@@ -51,15 +52,7 @@ def make_obstacle(kind: str, path: Path) -> Path:
     return path
 
 
-OBSTACLES = {
-    "pipe": "is a pipe or a device",
-    "device": "is a pipe or a device",
-    "folder": "is a folder",
-    "large": "has 3,000 MB",
-    "not text": "is not text in UTF-8",
-    "loop": "cannot be read",
-    "missing": "there is no such file",
-}
+OBSTACLES = table(__file__, "tables.toml")["obstacles"]
 needs_posix = pytest.mark.skipif(os.name != "posix", reason="pipes and devices in the file system are POSIX")
 
 

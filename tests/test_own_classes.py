@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from wrong import table
 
 import railgrip as rg
 from railgrip.base import registry
@@ -161,20 +162,7 @@ def test_an_object_that_cannot_be_copied_is_refused(scenario):
 # Where classes are imported from
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"controller.kind": "subprocess:Popen", "controller.parameters.args": ["touch", "done"]},
-        {"controller.kind": "os:system", "controller.parameters.command": "touch done"},
-        {"sensors.kind": "os:system", "sensors.parameters.command": "touch done"},
-        {"estimator.kind": "subprocess:run", "estimator.parameters.args": ["touch", "done"]},
-        {"controller.kind": "sys:exit"},
-        {"controller.kind": "os.path:os.system", "controller.parameters.command": "touch done"},
-        {"controller.kind": "..:Popen"},
-        {"vehicle.plant": "subprocess:Popen", "vehicle.parameters.args": 1},
-        {"controller.kind": "antigravity:X"},
-    ],
-)
+@pytest.mark.parametrize("changes", table(__file__, "tables.toml")["no_code"])
 @pytest.mark.parametrize("folders", [False, True])
 def test_a_scenario_alone_runs_no_code(scenario, changes, folders, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -6,6 +6,7 @@ import re
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from wrong import table
 
 from railgrip.base.errors import UnitError
 from railgrip.base.units import GRAVITY, Unit, conversion, to_si, unit
@@ -131,17 +132,7 @@ def test_gravity_is_that_of_the_modelica_package():
     assert f"constant Types.Acceleration g = {GRAVITY} " in package.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize(
-    ("text", "remedy"),
-    [
-        ("2 barg", "air: write bar"),
-        ("2 bar(g)", "air: write bar"),
-        ("200 kPa_gauge", "air: write kPa"),
-        ("3 bara", "subtract that of the air and write bar"),
-        ("44 psia", "subtract that of the air and write psi"),
-        ("300 kPa (abs)", "subtract that of the air and write kPa"),
-    ],
-)
+@pytest.mark.parametrize(("text", "remedy"), table(__file__, "tables.toml")["pressures"])
 def test_a_pressure_with_its_reference_is_refused_with_what_to_write(text: str, remedy: str) -> None:
     with pytest.raises(UnitError, match=re.escape(remedy)):
         to_si(text, "Pa")

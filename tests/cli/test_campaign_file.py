@@ -4,6 +4,7 @@ import json
 import re
 
 import pytest
+from wrong import table
 
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.campaign import load_campaign, selection_of
@@ -160,17 +161,7 @@ def test_some_variants_of_a_campaign_are_selected(project, choices, names):
     assert sorted("-".join(stop.variants[axis] for axis in ("controller", "seed")) for stop in selected.stops) == names
 
 
-@pytest.mark.parametrize(
-    ("choices", "sentence"),
-    [
-        (["slip"], "--only slip: expects AXIS=VARIANT"),
-        (["controller="], "--only controller=: expects AXIS=VARIANT"),
-        (["controler=slip"], "has no axis 'controler'; it has scenario, controller, seed; did you mean 'controller'?"),
-        (["controller=slipp"], "has no controller 'slipp'; it has brake, slip; did you mean 'slip'?"),
-        (["controller=slip,"], "has no controller ''; it has brake, slip"),
-        (["controller=brake", "seed=3"], "no stop of the campaign c has all of controller=brake, seed=3"),
-    ],
-)
+@pytest.mark.parametrize(("choices", "sentence"), table(__file__, "tables.toml")["wrong_selections"])
 def test_a_wrong_selection_is_refused_with_the_names_that_exist(project, choices, sentence):
     with pytest.raises(ScenarioError, match=re.escape(sentence)):
         selection_of(campaign(project, TWO_AXES), choices)

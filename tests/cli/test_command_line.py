@@ -12,6 +12,7 @@ import synthetic_runner
 from one_process import one_process
 from pages import figures_of
 from waiting import LONGEST, until
+from wrong import table
 
 from railgrip.base.errors import RecordError
 from railgrip.base.records import RECORD
@@ -80,68 +81,7 @@ def test_a_stop_that_fails_is_kept_and_exits_3(railgrip, project):
     assert json.loads((project / "here" / "stop.json").read_text(encoding="utf-8"))["outcome"] == "horizon"
 
 
-WRONG = [
-    ("run gone.toml", "gone.toml: there is no such file"),
-    ("run wet.toml --set adhesion.levl=2", "wet.toml: [adhesion] has no key 'levl'; did you mean 'level'"),
-    ("run wet.toml --set start.speed", "--set start.speed: expected is table.key=value"),
-    ("run wet.toml --set description=refuse", "wet: the plant has no brakes"),
-    ("run pair.toml", "pair.toml: is a file of the kind campaign; use `railgrip campaign pair.toml`"),
-    ("run", "Missing argument 'SCENARIO'"),
-    ("fly", "there is no command `railgrip fly`"),
-    ("campaign wet.toml", "wet.toml: is a file of the kind scenario; use `railgrip run wet.toml`"),
-    ("campaign pair.toml pair.toml", "two campaigns are named 'pair'"),
-    ("campaign pair.toml --set seed=x", "pair.toml, stop wet-sbc (wet.toml): seed is 'x'"),
-    ("report nowhere", "nowhere: has neither campaign.json nor stop.json"),
-    ("maintain regress --baselines nowhere", "nowhere: there is no baseline file (*.toml) in it"),
-    ("maintain accept --reason R. --baselines nowhere", "nowhere: there is no baseline file"),
-    ("maintain accept", "Missing option '--reason'"),
-    ("run gone:x:.toml", "gone:x:.toml: there is no such file"),
-    ("run [red]gone[/red].toml", "[red]gone[/red].toml: there is no such file"),
-    ("run gone[/].toml", "gone[/].toml: there is no such file"),
-    ("run wet.toml --set start.sped=3 --json", "wet.toml: [start] has no key 'sped'; did you mean 'speed'"),
-    ("run nothing --json", "nothing: there is no such file"),
-    ("train check nothing --json", "nothing: there is no such file"),
-    ("k-factors --out here", "did you mean `railgrip study k_factors`?"),
-    ("type-test --out here", "did you mean `railgrip study type_test`?"),
-    ("field --out here", "did you mean `railgrip study field_test`?"),
-    ("bench --out here", "did you mean `railgrip study bench`?"),
-    ("maintain acept --out here", "did you mean `railgrip maintain accept`?"),
-    ("study weather", "there is no study 'weather'; there are attribution, axle_box"),
-    ("run table1", "table1: that is a campaign: `railgrip campaign table1`"),
-    ("run emu387", "emu387: that is a train: `railgrip train show emu387`"),
-    ("run slip_two_state", "`railgrip run trapezoid --set controller.kind=slip_two_state`"),
-    ("run leaf", "leaf: that is a creep curve: `railgrip run trapezoid --set adhesion.polach=leaf`"),
-    ("run lateral", "lateral: that is a study: `railgrip study lateral`"),
-    ("campaign trapezoid", "trapezoid: that is a scenario: `railgrip run trapezoid`"),
-    ("estimate table1", "table1: that is a campaign: `railgrip campaign table1`"),
-    ("train show wagon_stop", "wagon_stop: that is a scenario: `railgrip run wagon_stop`"),
-    ("run trapezod", "no scenario of that name; did you mean trapezoid?"),
-    ("campaign tabel1", "no campaign of that name; did you mean table1?"),
-    ("run tabel1", "did you mean table1, a campaign: `railgrip campaign table1`?"),
-    ("estimate wagn", "no estimation of that name; did you mean wagon?"),
-    ("run xyz", "xyz: there is no such file, and no scenario of that name; `railgrip list scenarios` shows"),
-    ("run wet.toml --set controller.kind=slip_two", "did you mean slip_two_state?"),
-    ("rum trapezoid", "there is no command `railgrip rum`; did you mean `railgrip run`?"),
-    ("maintain regres", "did you mean `railgrip maintain regress`?"),
-    ("train shw emu387", "Did you mean 'show'?"),
-    ("study typ_test", "there is no study 'typ_test'; did you mean `railgrip study type_test`?"),
-    ("study type-test", "did you mean `railgrip study type_test`?"),
-    ("train show emu38", "no train of that name; did you mean emu387?"),
-    ("list scenrios", "did you mean 'scenarios'?"),
-    ("export trapezoid --part onbord", "did you mean 'onboard'?"),
-    ("export trapezoid --platforms x86_64-linx", "did you mean 'x86_64-linux'?"),
-    ("run trapezoid --with servce", "no set of equipment of that name; did you mean service?"),
-    (
-        "run trapezoid --set vehicle.train=emu38",
-        "[vehicle] train is 'emu38': there is no such file, and no train of that name; did you mean emu387?",
-    ),
-    ("run trapezoid --set vehicle.train=EMU387", "did you mean emu387?"),
-    ("run trapezoid --set adhesion.polach=weet", "did you mean 'wet'?"),
-    ("run trapezoid --set controller.tuning=serched", "did you mean 'searched'?"),
-    ("run trapezoid --set limits.alpha_max=tsii", "did you mean 'tsi'?"),
-    ("study type_test --controller slip_two_stat", "did you mean slip_two_state? It is neither one of"),
-    ("list rails", "'scenarios'"),
-]
+WRONG = table(__file__, "tables.toml")["wrong_commands"]
 """Command and words of its refusal."""
 
 
@@ -344,17 +284,7 @@ EXPECTED = '\n[[expected]]\nmatch = {{ controller = "{}" }}\noutcome = "horizon"
 
 
 @pytest.mark.usefixtures("in_process", "blank_figures")
-@pytest.mark.parametrize(
-    ("sliding", "expected", "code", "told"),
-    [
-        ((), (), 0, []),
-        (("sbc",), (), 3, ["wet-sbc: the outcome is horizon, expected was standstill: Still moving at 3 m/s."]),
-        (("sbc", "abc"), ("sbc", "abc"), 0, []),
-        (("sbc",), ("sbc",), 0, []),
-        ((), ("abc",), 3, ["wet-abc: the outcome is standstill, expected was horizon: "]),
-        (("sbc",), ("abc",), 3, ["wet-abc: the outcome is standstill, ", "wet-sbc: the outcome is horizon, "]),
-    ],
-)
+@pytest.mark.parametrize(("sliding", "expected", "code", "told"), table(__file__, "tables.toml")["exit_codes"])
 def test_the_exit_code_of_each_run_says_whether_outcomes_are_as_expected(
     railgrip, project, sliding, expected, code, told
 ):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
+from wrong import table
 
 from railgrip.scenario.load import load
 from railgrip.studies.benefit.line import load_study_line
@@ -120,18 +121,7 @@ def test_existing_files_are_not_overwritten(railgrip, folder, kind):
 
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
-    [
-        (("scenario", "mine.py"), "mine.py: the file of a scenario ends in .toml"),
-        (("controller", "my-law.py"), "my-law.py: the name of a controller has letters, digits and _"),
-        (("scenario", "my scenario.toml"), "the name of a scenario has letters, digits, dots, - and _"),
-        (("rail", "mine.toml"), "'scenario', 'train', 'controller'"),
-        (("scenario", "taken/mine.toml"), "mine.toml: cannot be written"),
-        (
-            ("campaign", "mine.toml", "--workflow"),
-            "--workflow: expects a regression in a file relative to the repository",
-        ),
-        (("regression", "/mine.toml", "--workflow"), "got regression /mine.toml"),
-    ],
+    table(__file__, "tables.toml")["wrong_files"],
     ids=str,
 )
 def test_a_file_that_cannot_be_created_is_refused(railgrip, folder, arguments, sentence):

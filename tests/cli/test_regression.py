@@ -6,6 +6,7 @@ import shlex
 from xml.etree import ElementTree
 
 import pytest
+from wrong import table
 
 from railgrip.report.junit import junit_xml
 
@@ -72,20 +73,7 @@ def test_a_moved_distance_is_red_with_stop_metres_and_limits(railgrip, project, 
     assert railgrip("maintain", "regress", *where).code == 0
 
 
-@pytest.mark.parametrize(
-    ("change", "options", "sentence"),
-    [
-        ('stops = ["*-two"]\n', (), "base lines/pair.toml: stops = ['*-two']: ../pair.toml has no such stop"),
-        ("stop = 3\n", (), "pair.toml: the top level has no key 'stop'"),
-        (
-            'module = "no.py"\n',
-            ("--workers", "1"),
-            "the command does not name; add --import-from 'base lines' if it may",
-        ),
-        ('module = "no.py"\n', ("--import-from", "base lines"), "must have headlines(), a list of Finding"),
-        ('study = "lateral"\n', ("--across-compilers",), "no baseline in it is that of a campaign"),
-    ],
-)
+@pytest.mark.parametrize(("change", "options", "sentence"), table(__file__, "tables.toml")["empty_comparisons"])
 def test_a_comparison_of_nothing_is_an_error_and_never_a_green_report(
     railgrip, project, where, change, options, sentence
 ):

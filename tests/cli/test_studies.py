@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from one_process import one_process
+from wrong import table
 
 from railgrip import studies
 from railgrip.base.errors import EstimationError, InputError
@@ -189,24 +190,7 @@ def test_a_digest_has_all_studies_whose_code_a_study_runs():
     assert "trains" in found["benefit"]
 
 
-@pytest.mark.parametrize(
-    ("changed", "moves"),
-    [
-        ("studies/fleet.py", True),
-        ("studies/fleet.toml", True),
-        ("studies/pads/life.py", True),
-        ("studies/pads/library/life.toml", True),
-        ("studies/rig.py", True),
-        ("studies/other.py", False),
-        ("studies/fleet_of_ships.py", False),
-        ("studies/study.py", False),
-        ("report/page.py", False),
-        ("base/units.py", True),
-        ("../pages/mine.py", True),
-        ("../pages/near.py", True),
-        ("../pages/other.py", False),
-    ],
-)
+@pytest.mark.parametrize(("changed", "moves"), table(__file__, "tables.toml")["sources"])
 @pytest.mark.parametrize("study", ["fleet", Path("pages/mine.py")])
 def test_a_digest_changes_with_every_file_of_the_studies_that_are_used(tmp_path, monkeypatch, study, changed, moves):
     texts = {

@@ -12,6 +12,7 @@ import pytest
 from commands import tools
 from study_pages import cells, pages, text_of
 from typer.main import get_command
+from wrong import table
 
 from railgrip.cli.app import app
 from railgrip.studies.study import study_named
@@ -97,20 +98,7 @@ def test_every_result_is_written_by_a_command(page: Path):
     assert not list(results_in(text, known))
 
 
-@pytest.mark.parametrize(
-    ("text", "count"),
-    [
-        ("The train stops in 382.9 m.", 1),
-        ("It stops in 222 of the 240 cases, 3 % sooner.", 2),
-        ("<!-- a: written by `make a` -->\n382.9 m\n<!-- end of a -->", 0),
-        ("<!-- constants: Polach (2005) -->\nB is 0.6 s/m.", 0),
-        ("<!-- constants: Polach (2005) -->\nB is 0.6 s/m.\n\nIt stops in 383 m.", 1),
-        ("<!-- constants: harness/scenario/library/trapezoid.toml -->\nA train at 80 km/h.", 0),
-        ("<!-- constants: harness/scenario/library/trapezoid.toml -->\nA train at 83 km/h.", 1),
-        ("<!-- constants: we know it -->\nA train at 83 km/h.", 1),
-        ("Python 3.11, `81.5 m` and two wheelsets in 4 cars of FMI 2.0", 0),
-    ],
-)
+@pytest.mark.parametrize(("text", "count"), table(__file__, "tables.toml")["numbers"])
 def test_results_are_found(text: str, count: int):
     assert len(list(results_in(text))) == count
 

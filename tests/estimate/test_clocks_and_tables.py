@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from wrong import table as stored
 
 from railgrip.base.errors import EstimationError
 from railgrip.estimation.inspection import inspect_recording
@@ -44,19 +45,7 @@ def stamps(form, begin="2025-01-04 23:59:30", zone="UTC"):
     return time.tz_convert(zone).strftime(form)
 
 
-@pytest.mark.parametrize(
-    ("form", "time"),
-    [
-        ("%d.%m.%Y %H:%M:%S.%f", {}),
-        ("%d.%m.%Y %H:%M:%S,%f", {}),
-        ("%Y-%m-%d %H:%M:%S.%f", {}),
-        ("%Y-%m-%dT%H:%M:%S.%fZ", {}),
-        ("%d/%m/%Y %H:%M:%S.%f", {"order": "day first"}),
-        ("%m/%d/%Y %H:%M:%S.%f", {"order": "month first"}),
-        ("%d-%m-%Y %H:%M:%S.%f", {"order": "day first"}),
-        ("%d.%m.%y %H:%M:%S.%f", {}),  # the year is last behind dots
-    ],
-)
+@pytest.mark.parametrize(("form", "time"), stored(__file__, "tables.toml")["dates"])
 @pytest.mark.parametrize("begin", ["2025-01-04 23:59:30", "2025-11-12 23:59:30"])
 def test_dates_over_midnight_have_the_right_instants(tmp_path, form, time, begin):
     path = csv(tmp_path, {"t": stamps(form, begin), "v": V})

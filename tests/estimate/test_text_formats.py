@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from wrong import table as stored
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import conversion, unit
@@ -118,20 +119,7 @@ def test_g_is_gravity_for_an_acceleration_and_gram_for_a_mass():
     assert conversion(unit("g"), unit("kg")) == (1e-3, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("text", "columns"),
-    [
-        ("t;v;\n0,5;1;\n1,5;2;\n", {"t": [0.5, 1.5], "v": [1, 2]}),
-        ("t,v\n0.5,1\n1.5,2\n", {"t": [0.5, 1.5], "v": [1, 2]}),
-        ('t,v\n"0,5",1\n"1,5",2\n', {"t": [0.5, 1.5], "v": [1, 2]}),
-        ("\n t ; v\n 0,5 ; 1e3\n", {"t": [0.5], "v": [1000.0]}),
-        ("t;v\n", {"t": [], "v": []}),
-        # One decimal comma in a file determines all its commas.
-        ("t;F\n0;0,500\n1;48,500\n", {"F": [0.5, 48.5]}),
-        ("t;F\n0,001;50,000\n1,001;48,500\n", {"F": [50.0, 48.5]}),
-        ("t;F\n0;50,0\n1;48,500\n", {"F": [50.0, 48.5]}),
-    ],
-)
+@pytest.mark.parametrize(("text", "columns"), stored(__file__, "tables.toml")["separators"])
 def test_separator_and_decimal_sign_are_detected(tmp_path, text, columns):
     path = tmp_path / "run.csv"
     path.write_text(text, encoding="utf-8")

@@ -11,6 +11,7 @@ import pytest
 import xarray
 from command_line import done
 from small_models import TYPICAL
+from wrong import table
 
 from railgrip.base.errors import InputError
 from railgrip.campaign.work import work
@@ -259,20 +260,7 @@ def test_a_small_run_writes_page_tables_and_json(tmp_path):
     assert (tmp_path / "leaderboard.csv").is_file()
 
 
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        ({"estimator": ["unscentd"]}, "did you mean 'unscented'"),
-        ({"estimator": ["fmu"], "write": True}, "--write"),
-        ({"estimator": ["none.py:Drag"]}, "there is no file"),
-        ({"estimator": ["a.txt:Drag"]}, "FILE.py:CLASS"),
-        ({"estimator": ["json.py:Drag"]}, "another module named json is loaded already"),
-        ({"estimator": ["lame.py:Drag"]}, "step"),
-        ({"train": "tram", "write": True}, "--write and --tune are for the two-part train"),
-        ({"train": "tram", "estimator": ["loaded"]}, "--estimator loaded: is unknown"),
-        ({"train": "trm"}, "did you mean tram"),
-    ],
-)
+@pytest.mark.parametrize(("options", "sentence"), table(__file__, "tables.toml")["wrong_estimators"])
 def test_an_unknown_estimator_or_train_is_refused_before_any_work(options, sentence, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "json.py").write_text(OWN, encoding="utf-8")
@@ -462,16 +450,7 @@ def test_a_search_of_one_estimator_keeps_the_noises_of_all_others(tmp_path, monk
     assert "force_<wbr>balance" in (tmp_path / "tuned" / "index.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        (["--quick"], "leave out --write, --quick and --sealed"),
-        (["--estimator", "unscented"], "--tune searches the noises of force_balance, fmu"),
-        (["--cases", "2"], "no training case has"),
-        ([], "run it in the folder of the project"),
-        (["--train", "tram"], "--write and --tune are for the two-part train"),
-    ],
-)
+@pytest.mark.parametrize(("options", "sentence"), table(__file__, "tables.toml")["impossible_searches"])
 def test_a_search_that_is_not_possible_is_refused_before_it_begins(options, sentence, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     refused = done(capsys, "study", "estimators", "--tune", *options)

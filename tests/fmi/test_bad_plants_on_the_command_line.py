@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from command_line import Done
 from faulty_fmu import faulty_fmu, quick_stop
+from wrong import table
 
 from railgrip.report.stop import read_stop
 
@@ -93,23 +94,7 @@ def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundr
     assert json.loads(Path("out/stop.json").read_text())["outcome"] == "horizon"
 
 
-@pytest.mark.parametrize(
-    ("more", "defined", "sentence"),
-    [
-        ('distance = "-distance"', (), "'distance' has -"),
-        ('acceleration = "-acceleration"', (), "it looks like the other sign"),
-        ('start_speed = { variable = "start_speed", scale = 3.6 }', (), "'speed' has 2.77778 m/s at the start"),
-        ('wheelset_speed = { variable = "wheelset_speed[{i}]", scale = 0.826 }', (), "a constant slip of 17 %"),
-        ('pressure_command = { variable = "pressure_command[{i}]", scale = 1e5 }', (), "full brakes slow the train by"),
-        ('cylinder_pressure = { variable = "cylinder_pressure[{i}]", scale = 1e-5 }', (), "it looks like bar for Pa"),
-        # Read with 0.38 m the wheels would slide by 17 % all the time, and slip control would never brake.
-        (
-            "",
-            ("RADIUS=0.46",),
-            "'wheelset_speed[1]' rolls with 0.46 m of radius by speed over wheel speed",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("more", "defined", "sentence"), table(__file__, "tables.toml")["wrong_plants"])
 def test_a_short_run_finds_a_wrong_map_or_radius(
     railgrip: Railgrip, foundry: Path, more: str, defined: tuple[str, ...], sentence: str
 ):

@@ -7,6 +7,7 @@ import fmpy
 import numpy as np
 import pytest
 from tiny_fmu import packed, tied, tiny, xml
+from wrong import table
 
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.fmi import Binding, CoSimulation, Description, IsolatedCoSimulation, Port, bind, describe, open_plant
@@ -237,15 +238,7 @@ def test_an_fmu_that_requires_its_tool_is_reported_when_it_does_not_start(foundr
 
 @pytest.mark.parametrize(
     ("old", "new", "fact"),
-    [
-        ('<Float64 name="indicator"', '<Clock intervalVariability="triggered" name="indicator"', "is a clock"),
-        ('start="9.81 0.7"><Dimension start="2"/>', 'start="9.81"><Dimension start="99999999"/>', "variables under"),
-        ('<Output valueReference="6"/>', '<Output valueReference="66"/>', "value reference '66'"),
-        ('start="9.81 0.7"', 'start="9.81 0.7 3"', "'constants' has 3 start values"),
-        ('start="9.81 0.7"', 'start="9.81 much"', "'constants' has start='much'"),
-        ("ModelExchange ", "ScheduledExecution ", "neither Co-Simulation nor Model Exchange"),
-        ('fmiVersion="3.0"', 'fmiVersion="3.0-beta.2"', "this is FMI 3.0-beta.2"),
-    ],
+    table(__file__, "tables.toml")["not_stepped"],
     ids=["clock", "size", "reference", "starts", "start", "interface", "version"],
 )  # fmt: skip
 def test_an_fmu_that_cannot_be_stepped_is_refused_with_the_reason(foundry: Path, old: str, new: str, fact: str):

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tiny_fmu import repacked, tied, tiny, xml
+from wrong import table
 
 from railgrip.base.errors import FmuError
 from railgrip.base.limits import FmuLimits
@@ -28,16 +29,7 @@ def with_more(foundry: Path, folder: Path, *entries: tuple[str | zipfile.ZipInfo
     return file
 
 
-@pytest.mark.parametrize(
-    ("limits", "sentence"),
-    [
-        ({"files": 2}, "the archive has 3 entries, allowed are 2; raise files under [limits.fmu] if you trust it."),
-        ({"member_mib": 19}, "'resources/zeros' unpacks to 20 MiB, allowed are 19; raise member_mib"),
-        ({"unpacked_mib": 20}, "the archive unpacks to 20 MiB, allowed are 20; raise unpacked_mib"),
-        ({"ratio": 100}, "times its size, allowed are 100; raise ratio"),
-        ({"variables": 10}, "modelDescription.xml has more than 10 variables, allowed are 10; raise variables"),
-    ],
-)
+@pytest.mark.parametrize(("limits", "sentence"), table(__file__, "tables.toml")["limits"])
 def test_each_limit_is_reported_in_a_sentence_that_names_it(
     foundry: Path, tmp_path: Path, limits: dict[str, int], sentence: str
 ):

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tiny_fmu import tied, tiny
+from wrong import table
 
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.base.limits import FmuLimits
@@ -40,16 +41,7 @@ def test_the_numbers_equal_those_of_the_same_process(foundry: Path):
     np.testing.assert_array_equal(outputs[0], outputs[1])
 
 
-@pytest.mark.parametrize(
-    ("misbehaviour", "sentence"),
-    [
-        ("NEVER_STOPS", "at 0.003 s the FMU did not return (within 0.5 s of real time, it was stopped)."),
-        ("CRASH", "at 0.003 s the FMU crashed (its process was ended by SIGSEGV)."),
-        ("EXITS", "at 0.003 s the FMU crashed (it ended its process with code 7)."),
-        ("ERROR_STATUS", "at 0.003 s fmi2DoStep returned fmi2Error; it says: error: the wheel came off at 0.003."),
-        ("NAN_OUTPUT", "at 0.004 s output 'y' is not a finite number (nan)."),
-    ],
-)
+@pytest.mark.parametrize(("misbehaviour", "sentence"), table(__file__, "tables.toml")["failures"])
 def test_any_failure_is_reported_in_a_sentence(foundry: Path, scratch: Path, misbehaviour: str, sentence: str):
     plant = isolated(tiny(foundry, misbehaviour))
     with plant:

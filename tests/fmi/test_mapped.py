@@ -8,6 +8,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 from faulty_fmu import faulty_fmu
+from wrong import table
 
 from railgrip.base.units import conversion, unit
 from railgrip.fmi import Description, Port, bind, describe
@@ -43,30 +44,16 @@ WHEELS = Port(name="wheelset_speed", unit="rad/s", size=3, needed=True)
 
 @pytest.mark.parametrize(
     ("names", "entry"),
-    [
-        (["omega[1]", "omega[2]", "omega[3]"], "omega[{i}]"),
-        (["omega_1", "omega_2", "omega_3"], "omega_{i}"),
-        (["omega1", "omega2", "omega3"], "omega{i}"),
-        (["axle1.omega", "axle2.omega", "axle3.omega"], "axle{i}.omega"),
-        (["bogie2.omega[1]", "bogie2.omega[2]", "bogie2.omega[3]"], "bogie2.omega[{i}]"),
-        (["omega[0]", "omega[1]", "omega[2]"], ("omega[0]", "omega[1]", "omega[2]")),
-        (["omega[1,1]", "omega[2,1]", "omega[3,1]"], "omega[{i},1]"),
-        (["front.omega", "middle.omega", "rear.omega"], ("front.omega", "middle.omega", "rear.omega")),
-        (["rear.omega", "front.omega", "mid.omega"], ("front.omega", "mid.omega", "rear.omega")),
-        (["front.omega", "axle2.omega", "rear.omega"], ("front.omega", "axle2.omega", "rear.omega")),
-        (["omega_rear", "omega_middle", "omega_front"], ("omega_front", "omega_middle", "omega_rear")),
-        (["wheelOmega1", "wheelOmega2", "wheelOmega3"], "wheelOmega{i}"),
-    ],
+    table(__file__, "tables.toml")["arrays"],
     ids=lambda value: value[0] if isinstance(value, list) else "",
 )
 def test_arrays_are_found_under_names_of_many_kinds(names, entry):
     description = described(output=[*names, "speed", "distance"])
     signals = {"wheelset_speed": (WHEELS, "output")}
-    table = draft_mapping(description, signals)
-    assert table == {"wheelset_speed": entry}
-    written = list(entry) if isinstance(entry, tuple) else entry
-    stated = {"variable": written, "unit": "rad/s"} if isinstance(written, str) else [
-        {"variable": name, "unit": "rad/s"} for name in written
+    drafted = draft_mapping(description, signals)
+    assert drafted == {"wheelset_speed": entry if isinstance(entry, str) else tuple(entry)}
+    stated = {"variable": entry, "unit": "rad/s"} if isinstance(entry, str) else [
+        {"variable": name, "unit": "rad/s"} for name in entry
     ]  # fmt: skip
     bound = bind(description, inputs=(), outputs=[WHEELS], table={"wheelset_speed": stated})
     assert sorted(bound.outputs.channels[0].variables) == sorted(names)

@@ -9,6 +9,7 @@ import casadi as ca
 import pytest
 from command_line import done
 from faulty_fmu import faulty_fmu, quick_stop
+from wrong import table
 
 from railgrip.base.errors import RailgripError
 from railgrip.base.system import SampledSystem, Variable
@@ -50,15 +51,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 PLANTS = {"TwoPartTrain", "ForeignTrain", "unnumbered"}
 CONTROLLERS = {"law", "numbered", "renamed"}
-ADVICE = {
-    "plant": r"is a plant by .*\[vehicle\] plant",
-    "controller": r"is a controller by .*\[controller\] kind",
-    "TrainPrediction": r"prediction of an estimator .*\[estimator\] kind",
-    "onboard": r"its \[estimator\] and its \[controller\]",
-    "sensors": r"kind of its \[sensors\]",
-    "estimator": r"kind of its \[estimator\]",
-    "track": r"\[track\], \[adhesion\] and \[demand\]",
-}
+ADVICE = table(__file__, "tables.toml")["advice"]
 FILES = (*sorted(PLANTS), *sorted(CONTROLLERS), "TrainPrediction", "onboard", "sensors", "estimator", "track")
 
 

@@ -5,6 +5,7 @@ import math
 
 import pytest
 from fmpy.fmi1 import FMICallException
+from wrong import table
 
 
 def test_an_assertion_ends_the_step_with_the_models_message(feature, run):
@@ -43,15 +44,7 @@ def test_a_derivative_that_is_not_a_number_names_its_state(modelica, run):
 
 @pytest.mark.parametrize(
     ("variables", "equations", "words"),
-    [
-        ("Real x(start=1,fixed=true); Real root(start=1);", "root^2 = x; der(x) = -1;", ("root", "does not converge")),
-        ("Real growing(start=1,fixed=true);", "der(growing) = growing^2;", ("growing", "time = ")),
-        (
-            "Real x(start=0.1,fixed=true); Boolean b(start=false,fixed=true);",
-            "b = x > 0; der(x) = if b then -1 else 1;",
-            ("chatters",),
-        ),
-    ],
+    table(__file__, "tables.toml")["without_solution"],
     ids=["loop without solution", "infinite at 1 s", "chattering"],
 )
 def test_a_model_without_solution_is_reported_with_the_failing_equation(modelica, run, variables, equations, words):
@@ -90,27 +83,7 @@ def test_a_model_that_chatters_ends_the_step_instead_of_hanging(modelica, run):
 
 
 # Words of the message → the model. Overflows have no place; undefined operations are in test_domains.py.
-NOT_NUMBERS = {
-    "solved for der(x), whose coefficient must not be zero": (
-        "Real x(start=1,fixed=true); parameter Real c = 1; equation (if time > 0.5 then 0 else c)*der(x) = 1;"
-    ),
-    "der(x) is not a number at time = 0.5 s": (
-        "Real x(start=1,fixed=true); parameter Real c = 1000; equation der(x) = if time > 0.5 then exp(c) else 1;"
-    ),
-    "der(x) is not a number at time = 0 s": (
-        "Real x(start=0,fixed=true); parameter Real c = 1000; equation der(x) = exp(c) - x;"
-    ),
-    "d is not a number at time = 0.5 s": (
-        "discrete Real d(start=1,fixed=true); Real x(start=1,fixed=true); equation der(x) = d;"
-        " when time > 0.5 then d = exp(1000*pre(d)); end when;"
-    ),
-    "reinit sets x to a value that is not a number at time = 0.5 s": (
-        "Real x(start=1,fixed=true); equation der(x) = 0; when time > 0.5 then reinit(x, exp(1000*pre(x))); end when;"
-    ),
-    "log(x): the argument must be positive": (
-        "Real x(start=1,fixed=true); Real y = log(x); Boolean low = y < -100; equation der(x) = -1.3;"
-    ),
-}
+NOT_NUMBERS = table(__file__, "tables.toml")["not_numbers"]
 
 
 @pytest.mark.parametrize("words", NOT_NUMBERS)

@@ -2,6 +2,7 @@
 
 import fmpy
 import pytest
+from wrong import table
 
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
@@ -107,31 +108,7 @@ def test_hysteresis_keeps_its_initial_branch(modelica, interface):
 
 
 # Declarations and equations → initial value of x.
-FIXED = {
-    "an algebraic variable": ("Real x; Real a(start=4, fixed=true);", "der(x) = -x; a = -4*x;", -1.0),
-    "an output": ("Real x(start=1); output Real y(start=6, fixed=true) = 2*x;", "der(x) = -x;", 3.0),
-    "a parameter as start": (
-        "parameter Real p = 6; Real x; Real y(start=p, fixed=true) = 2*x + 1;", "der(x) = -x;", 2.5,
-    ),
-    "a nonlinear function": ("Real x(start=1); Real y(start=8, fixed=true) = x^3;", "der(x) = -x;", 2.0),
-    "an array": ("Real x, z, y[2](start={1, 2}, each fixed=true);", "der(x) = -x; der(z) = 0; y = {x, z};", 1.0),
-    "with a discrete variable": (
-        "Integer n(start=2,fixed=true); Real x; Real y(start=8, fixed=true) = n*x;",
-        "der(x) = -x; when time > 9 then n = 3; end when;", 4.0,
-    ),
-    "a demoted speed": (
-        "Real s1, x, s2(start=0, fixed=true), v2(start=3, fixed=true), f;",
-        "der(s1) = x; der(x) = f; der(s2) = v2; der(v2) = -f; s1 = s2;", 3.0,
-    ),
-    "a position and a demoted speed": (
-        "Real s1(start=0, fixed=true), x, s2, v2(start=3, fixed=true), f;",
-        "der(s1) = x; der(x) = f; der(s2) = v2; der(v2) = -f; s1 = s2;", 3.0,
-    ),
-    "a gear": (
-        "Real a1, x, a2(start=0, fixed=true), w2(start=3, fixed=true), t;",
-        "der(a1) = x; der(x) = t; der(a2) = w2; der(w2) = -2*t; a1 = 2*a2;", 6.0,
-    ),
-}  # fmt: skip
+FIXED = table(__file__, "tables.toml")["fixed"]
 
 
 @pytest.mark.parametrize("interface", INTERFACES)

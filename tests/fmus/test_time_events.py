@@ -5,6 +5,7 @@ import math
 import fmpy
 import numpy as np
 import pytest
+from wrong import table
 
 INTERFACES = ["CoSimulation", "ModelExchange"]
 
@@ -75,27 +76,7 @@ def test_a_relation_of_time_at_the_start(modelica, interface):
     assert (end["a"], end["b"], end["c"]) == (1, 0, 2)
 
 
-PIECEWISE = (
-    "mod(time, 0.3) > 0.15",
-    "mod(time, 0.3) < 0.15",
-    "mod(time - 0.05, T) >= 0.1",
-    "rem(time, 0.3) > 0.15",
-    "mod(-time, 0.3) > 0.15",
-    "floor(3*time) >= 2",
-    "ceil(3*time) >= 2",
-    "integer(4*time) > 2",
-    "div(time, 0.25) >= 3",
-    "sign(time - 0.5) > 0.5",
-    "abs(time - 0.5) < 0.2",
-    "abs(mod(time, 0.5) - 0.25) < 0.1",
-    "min(time, 1 - time) > 0.3",
-    "max(time, 0.7 - time) > 0.6",
-    "(if time < 0.5 then time else time - 0.5) > 0.2",
-    "time*floor(2*time) > 0.7",
-    "sin(floor(10*time)) > 0.5",
-    "sin(20*time) > 0.9",
-    "time^2 > 0.25",
-)
+PIECEWISE = table(__file__, "tables.toml")["piecewise"]
 
 
 def closed_form(expression):

@@ -12,6 +12,7 @@ import rumoca
 from fmpy.validation import validate_fmu
 from sampling import FUZZ
 from small_fmus import Fmu
+from wrong import table
 
 from railgrip.base.registry import shelf
 from railgrip.fmus.build import build, fmu
@@ -24,36 +25,7 @@ from railgrip.rolling_stock.schema import load_train
 BOOK = read_recipes()
 STOP, STEP = 3.0, 0.015  # no point is at a sample of the valves, 0.5 ms + k 2 ms
 # Constant value of each input: service braking on wet rail, with slightly more friction for each wheelset further back.
-HELD = {
-    "pressure_command": 3.0e5,
-    "cylinder_pressure": 3.0e5,
-    "demand": 3.0,
-    "valve_command": 1.0,
-    "pad_force": 8.0e3,
-    "wheel_torque": -50.0,
-    "mu0": 0.20,
-    "rail_grip": 0.20,
-    "track_force": -500.0,
-    "drag": 0.5,
-    "slip": 0.02,
-    "speed": 20.0,
-    "load": 1.0e5,
-    "track": 3e-3,
-    "track_rate": 5e-3,
-    "displacement": 2e-3,
-    "lateral_position": 2e-3,
-    "lateral_velocity": 1e-2,
-    "yaw_angle": 1e-3,
-    "yaw_rate": 1e-2,
-    "stiffness": 0.95,
-    "A_falling": 0.4,
-    "B_falling": 0.6,
-    "motor_torque": 50.0,
-    "alignment": 2e-3,
-    "vertical": 1e-3,
-    "cross_level": 1e-3,
-    "gauge": 1e-3,
-}
+HELD = table(__file__, "tables.toml")["held"]
 
 
 def held(name: str, values: Mapping[str, float] = HELD) -> float:

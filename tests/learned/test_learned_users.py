@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 from one_process import one_process
 from scipy.io import savemat
+from wrong import table as stored
 
 from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.campaign.work import work
@@ -191,17 +192,7 @@ def test_a_map_that_does_not_match_is_refused(tmp_path):
         read_folder(tmp_path, labels, table("kg"))
 
 
-@pytest.mark.parametrize(
-    ("rows", "sentence"),
-    [
-        ([("a.csv", 1.2, 1), ("b.csv", 0.2, 1)], "line 2: friction lies between 0 and 1, got 1.2"),
-        ([("a.csv", 0.3, 1), ("b.csv", "wet", 1)], "line 3: friction is a number, got 'wet'"),
-        ([("a.csv", 0.3, 1), ("b.csv",)], "line 3: friction is a number, got ''"),
-        ([("a.csv", 0.3, 2), ("b.csv", 0.2, 1)], "line 2: direction is 1 or -1, got 2"),
-        ([("a.csv", 0.3, 1), ("a.csv", 0.2, 1)], "line 3: a.csv is labelled twice"),
-        ([("a.csv", 0.3, 1)], "it labels 1 runs; training needs 2 or more"),
-    ],
-)
+@pytest.mark.parametrize(("rows", "sentence"), stored(__file__, "tables.toml")["wrong_labels"])
 def test_an_impossible_label_is_refused(tmp_path, rows, sentence):
     with pytest.raises(EstimationError, match=sentence):
         read_labels(write_labels(tmp_path / "labels.csv", rows))

@@ -17,6 +17,7 @@ from kernel_calls import along_track, holds, phase_of, service_sensors
 from reference import brake
 from sampling import FUZZ
 from synthetic import FULL, GROUP, LAYOUT, TWO_PART_TRAIN
+from wrong import table
 
 from railgrip.base.errors import Failure, LoopError, PlantFailed
 from railgrip.controllers.law import Law, law
@@ -486,17 +487,7 @@ def showing(signal, change, element=0):
 
 
 @pytest.mark.parametrize("sample", [1, 100, BLOCK - 1, BLOCK, BLOCK + 1])
-@pytest.mark.parametrize(
-    ("signal", "element", "value", "words"),
-    [
-        ("speed", 0, -50.0, "speed = -50 m/s, but friction, gradient, resistance, traction and [vehicle.formation]"),
-        ("distance", 0, 12345.0, "distance = 12345 m, but the integral of its speed gives"),
-        ("distance", 0, -1000.0, "distance = -1000 m, but the integral of its speed gives"),
-        ("slip", 3, 1.2, "slip[4] = 1.2, but a braked wheel between rolling and locked has -0.1 to 1.05"),
-        ("slip", 0, -6.0, "slip[1] = -6, but"),
-        ("adhesion", 5, 0.5, "adhesion[6] = 0.5, but the rail gives -"),
-    ],
-)
+@pytest.mark.parametrize(("signal", "element", "value", "words"), table(__file__, "tables.toml")["implausible"])
 def test_a_plant_with_impossible_outputs_is_implausible(sample, signal, element, value, words):
     """The sample is discarded, and the message names signal, time, value and expectation."""
     shown = showing(signal, lambda k, true: value if k == sample else true, element)

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from markdown_it import MarkdownIt
+from wrong import table
 
 from railgrip.report.page import Page, write_page
 from railgrip.report.table import Link, ReportTable, as_html, as_markdown
@@ -18,25 +19,7 @@ TEXTS = st.text(
     st.sampled_from("<>&\"'`*_[]()!#|~\\-+=.:/ \n\t\r0123456789abcxyz\x00\x85\u2028") | st.characters(codec="utf-8"),
     max_size=60,
 )
-HOSTILE = [
-    "<script>alert(1)</script>",
-    '"><img src=x onerror=alert(1)>',
-    "![x](http://a.b/c.png)",
-    "[x](javascript:alert(1))",
-    "a\n\n# Forged\n\n<b>b</b>",
-    "- item",
-    "1. item",
-    "1986) item",
-    "    code",
-    "```\ncode",
-    "===",
-    "---",
-    "<http://a.b>",
-    "&lt;b&gt;",
-    "a | b \\| c",
-    "_x_ **x** ~~x~~",
-    "> quote",
-]
+HOSTILE = table(__file__, "tables.toml")["hostile"]
 
 
 class Elements(HTMLParser):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from pydantic import BaseModel, TypeAdapter, ValidationError
 from synthetic import LIBRARY
+from wrong import table as stored
 
 import railgrip.estimation
 import railgrip.recording
@@ -79,17 +80,7 @@ def test_no_key_of_any_table_accepts_true_as_a_number():
     assert {name for name, _ in accepted} == {"CarTable.direction"}  # 1 or -1, as true equals 1
 
 
-@pytest.mark.parametrize(
-    ("key", "sentence"),
-    [
-        ("start.speed", "[start] speed is true, but a number in 'm/s' is expected"),
-        ("adhesion.polach", "[adhesion.polach] must be a table"),
-        ('vehicle.parameters."r_wheel[1]"', "[vehicle.parameters] r_wheel[1] is true, but a number"),
-        ("controller.parameters.r_wheel", "[controller.parameters] r_wheel is true, but a number"),
-        ("adhesion.polach.k_A", "[adhesion.polach] k_A is true, but a number"),
-        ("seed", "seed is True"),
-    ],
-)
+@pytest.mark.parametrize(("key", "sentence"), stored(__file__, "tables.toml")["booleans"])
 @pytest.mark.parametrize("how", ["--set", "python", "numpy"])
 def test_true_is_refused_with_its_key(key, sentence, how):
     def vehicle():

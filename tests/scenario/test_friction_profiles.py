@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 from synthetic import TWO_PART_TRAIN
+from wrong import table
 
 import railgrip.scenario
 from railgrip.base.arrays import generator, markov
@@ -170,28 +171,7 @@ def test_a_users_curve_may_be_over_distance_and_differ_for_each_wheelset(tmp_pat
     assert friction_at(found, 0.0, 50.0)[0] == pytest.approx(0.15)
 
 
-@pytest.mark.parametrize(
-    ("content", "sentence"),
-    [
-        ("", "is empty"),
-        ("time,friction\n0,1\n", "has 2 columns; its first line must name"),
-        ("time,distance,mu0\n0,0,1\n", "has 3 columns; its first line must name"),
-        ("time,mu0_1,mu0_3\n0,.1,.1\n", "has 3 columns; its first line must"),
-        ("time,mu0\n0,0.1\n", "has 1 rows of numbers"),
-        ("time,mu0\n0,0.1\n1,x\n", "line 3: 2 finite numbers are expected"),
-        ("time,mu0\n0,0.1\n1\n", "line 3: 2 finite numbers are expected"),
-        ("time,mu0\n0,0.1\n0,0.2\n", "line 3: time does not rise"),
-        ("time;mu0\n0;0.1\n1,000;0.2\n", "line 3: the comma may be a decimal sign or separate thousands"),
-        ("time,mu0\n0,0.1\n\n1,0\n", "line 4: mu0 must be above 0"),
-        ("time [m],mu0\n0,.1\n1,.1\n", "column time: 'm' (m) cannot become 's' (s)"),
-        ("time [sec.],mu0\n0,.1\n1,.1\n", "column time: 'sec.' is not a unit known here"),
-        ("time,mu0\n0,12\n1,15\n", "line 2: mu0 must be above 0 and at most 1; a column in another unit states it in"),
-        (
-            "distance,mu0\n300,.1\n0,.05\n",
-            "line 3: distance does not rise; chainages that fall in the direction of travel need",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("content", "sentence"), table(__file__, "tables.toml")["wrong_profiles"])
 def test_a_wrong_table_is_refused_with_its_line(tmp_path, content, sentence):
     with pytest.raises(ScenarioError, match=re.escape(f"mine.toml: [adhesion] file rail.csv: {sentence}")):
         tabled(tmp_path, content)

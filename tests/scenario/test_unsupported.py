@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from wrong import table
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import shelf
@@ -16,14 +17,7 @@ from railgrip.scenario.keys import scenario_schema, schema_of
 from railgrip.scenario.load import UNSUPPORTED, explain_unsupported, load
 from railgrip.scenario.schema import Scenario
 
-KEYS = {
-    "ed_brake": "electrodynamic", "electrodynamic_brake": "electrodynamic", "regenerative_brake": "electrodynamic",
-    "blended_brake": "electrodynamic", "retarder": "hydrodynamic",
-    "eddy_current_brakes": "eddy-current", "track_eddy_current": "eddy-current", "tread_brake": "tread",
-    "brake_blocks": "tread", "ll_blocks": "LL",
-    "hand_brake": "parking", "spring_brakes": "parking", "load_proportional": "load",
-    "wind": "wind", "tunnel": "wind",
-}  # fmt: skip
+KEYS = table(__file__, "tables.toml")["unsupported"]
 
 
 def train_with(place: str, key: str) -> Train:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 from synthetic import LIBRARY
+from wrong import table
 
 from railgrip.base.errors import ScenarioError
 from railgrip.fmi import CoSimulation, Port, bind, describe
@@ -95,17 +96,7 @@ def test_an_exported_law_brakes_fully_until_a_driver_demands_less(tmp_path):
     assert starts == VehicleData(load(PLAIN)).nominal.formation.pressure_max.tolist()
 
 
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        (["controller.parameters.filter_time=-1 ms"], "filter_time must be between 0 and 100000 s, got -0.001"),
-        (["controller.parameters.A_piston=-1 m^2"], r"A_piston\[1\] is -1 m2, but the vehicle has"),
-        (
-            ["controller.kind=ideal_bound", "estimator.kind=none"],
-            r"plain: .controller. kind 'ideal_bound' is not a built-in law",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("changes", "sentence"), table(__file__, "tables.toml")["controllers_without_export"])
 def test_a_controller_that_cannot_be_exported_is_refused(changes, sentence):
     with pytest.raises(ScenarioError, match=sentence):
         controller_fmu(load(PLAIN, changes))
@@ -124,17 +115,7 @@ def test_the_command_prints_the_path_of_the_fmu(tmp_path, command):
     assert not {"period", "valves.period"} & set(described)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["--platforms", "x86_64-linux,riscv"], "there is no platform riscv; there is x86_64-linux, "),
-        (["--ssp", "x.ssp", "--out", "x.fmu"], "--ssp writes all parts by FMI 2 into one file; leave out --out"),
-        (["--library", "--part", "plant"], "--library compiles the onboard part for this machine; leave out --part"),
-        (["--library", "--ssp", "x.ssp"], "leave out --out, --part, --fmi and --library"),
-        (["--fmi", "1"], "FMI 1 is not supported; choose 2 or 3"),
-        (["--part", "wheel"], "'wheel' is not one of 'onboard'"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "sentence"), table(__file__, "tables.toml")["meaningless_exports"])
 def test_a_meaningless_export_is_refused(arguments, sentence, command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     refused = command("export", PLAIN, *arguments)

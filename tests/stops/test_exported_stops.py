@@ -13,6 +13,7 @@ from fmpy.ssp.ssd import read_ssd, read_ssv
 from fmpy.validation import validate_fmu
 from slave import Slave
 from synthetic import LIBRARY
+from wrong import table
 
 from railgrip.base.errors import ScenarioError
 from railgrip.fmus.native.package import archive_bytes, as_fmi_3
@@ -208,17 +209,7 @@ def test_a_system_has_a_connection_for_every_input(system):
 
 
 @pytest.mark.parametrize(
-    ("name", "changes", "kind", "sentence"),
-    [
-        (
-            "plain",
-            ["controller.kind=ideal_bound", "estimator={kind='none'}"],
-            "onboard",
-            "'ideal_bound' is not a built-in law",
-        ),
-        ("field", [], "sensors", "read in Python and cannot leave as an FMU"),
-        ("degraded", [], "sensors", "of sensors or valves cannot leave as an FMU"),
-    ],
+    ("name", "changes", "kind", "sentence"), table(__file__, "tables.toml")["parts_without_export"]
 )
 def test_a_part_that_cannot_be_exported_is_refused(name, changes, kind, sentence):
     with pytest.raises(ScenarioError, match=sentence):

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from edited_fmu import replaced, with_description, with_own_prediction
+from wrong import table
 
 import railgrip.scenario
 from railgrip.base.errors import ScenarioError
@@ -59,22 +60,7 @@ def test_its_code_runs_only_with_permission_of_the_scenario(tmp_path: Path):
         scenario_with(own(tmp_path), trust=False)
 
 
-@pytest.mark.parametrize(
-    ("edits", "sentence"),
-    [
-        (
-            [('name="mu_b[3]"', 'name="mu_pad"')],
-            r"MineTrainPrediction.fmu has no state pad_friction\[3\]; it has speed, ",
-        ),
-        ([('name="cylinder_pressure[2]"', 'name="p2"')], r"has no input cylinder_pressure\[2\]; it has "),
-        # Some tools count from 0: the place before the first wheelset is that of another reading.
-        (
-            [('name="wheelset_speed[4]"', 'name="wheelset_speed[0]"')],
-            r"has an output wheelset_speed\[0\], which no sensor reads; they read wheelset_speed\[1\], ",
-        ),
-        ([('name="track_force"', 'name="wind"')], "has an input wind; a prediction takes cylinder_pressure and "),
-    ],
-)
+@pytest.mark.parametrize(("edits", "sentence"), table(__file__, "tables.toml")["wrong_predictions"])
 def test_a_prediction_fmu_with_other_variables_is_refused(tmp_path: Path, edits, sentence):
     with pytest.raises(ScenarioError, match=sentence):
         run_stop(scenario_with(own(tmp_path, *edits)))

@@ -5,6 +5,7 @@ import itertools
 import pytest
 from maxima_stops import CAUSES, LAWS, energy_error, maxima_of, slide_of, stop_of
 from small_train import one_bogie
+from wrong import table
 
 import railgrip as rg
 from railgrip.base.errors import ScenarioError
@@ -98,18 +99,7 @@ def test_heat_lowers_adhesion_in_slides_of_every_train_of_the_library(name, chan
     assert 0.4 < ratio < 0.9
 
 
-@pytest.mark.parametrize(
-    ("scenario", "changes", "words"),
-    [
-        (
-            "plain",
-            ["adhesion.polach_of_wheelset=['leaf', 'leaf', 'leaf', 'leaf', 'leaf', 'wet_two_maxima']"],
-            "different temperature",
-        ),
-        ("rig_slide", ["adhesion.polach={k_A=0.3, k_S=0.1, A=0.4, B=0.2, temperature_loss=8e-4}"], "lack"),
-        ("plain", ["adhesion.polach={k_A=0.3, k_S=0.1, A=0.4, B=0.2, temperature_loss=0.5}"], "temperature_loss"),
-    ],
-)
+@pytest.mark.parametrize(("scenario", "changes", "words"), table(__file__, "tables.toml")["contradicting_curves"])
 def test_a_curve_that_contradicts_the_scenario_is_refused(scenario, changes, words):
     with pytest.raises(ScenarioError, match=words):
         run_stop(load(scenario, changes))
