@@ -228,8 +228,8 @@ tune: $(READY)  ## find the noises of the field test's filter anew, minutes; har
 	$(RUN) tools tune paper --out harness/studies/field_test/library/paper.toml $(OPTIONS)
 	$(RUN) tools tune consistent --out harness/studies/field_test/library/consistent.toml $(OPTIONS)
 
-lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/index.html
-	$(PROGRAM) study lateral $(OPTIONS)
+lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters, docs/studies/lateral.md
+	$(RUN) tools pages lateral $(OPTIONS)
 
 learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, training, honest judgement (cached)
 	$(PROGRAM) study axle_box $(OPTIONS)

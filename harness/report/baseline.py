@@ -11,7 +11,7 @@ A baseline file gives, for each stop or figure, the accepted value, its toleranc
     reason = "First calibration."
 
 For a long campaign the file may select stops by patterns, `stops = ["*-slope_seeking"]`. The name of a study, `study =
-"lateral"`, replaces the campaign file if the numbers are those of a study, and a Python file, `module = "mine.py"`, if
+"etcs"`, replaces the campaign file if the numbers are those of a study, and a Python file, `module = "mine.py"`, if
 its function `headlines()` returns them as a list of `Finding`.
 
 A distance that depends on rounding (see `railgrip.scenario.conditioning`) is accepted as a range: `value` is the median

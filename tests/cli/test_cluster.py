@@ -141,7 +141,7 @@ def test_a_killed_scheduler_loses_no_results(campaign, tmp_path, monkeypatch, ca
 
 def test_cases_of_a_study_run_on_the_cluster_and_are_kept_locally(two_workers, own_cache):
     for _ in range(2):
-        with work("lateral", scheduler=two_workers.scheduler_address) as own:
+        with work("etcs", scheduler=two_workers.scheduler_address) as own:
             assert own.map(math.sqrt, [4.0, 9.0]) == [2.0, 3.0]
             run_count = own.run_count
     assert run_count == 0

@@ -100,7 +100,6 @@ COMMANDS = {
     "study papers --quick": "index.html",
     "study stop_at_target --draws 1 --sets 0 --write": "errors.csv",
     "study stop_at_target --quick": "errors.csv",
-    "study lateral --stiffness --quick": "index.html",
     "study type_test --validation --cases 1 --controller full_brake --limits harness/report/library/limits.toml"
     " --import-from .": "index.html",
     "study type_test --quick --controller slip_two_state": "index.html",
@@ -130,7 +129,7 @@ MAKE = {
         "out/type_test/version_2/index.html",
     f"trains OPTIONS='--quick {OF_STUDIES} out/trains'": "out/trains/quick/index.html",
     f"bench OPTIONS='--quick {OF_STUDIES} out/bench'": "out/bench/quick/durations.csv",
-    f"lateral OPTIONS='--quick --prediction compiled {OF_STUDIES} out/lateral'": "out/lateral/quick/index.html",
+    "lateral OPTIONS=--quick": "build/studies/lateral/lateral.md",
     f"learn OPTIONS='--quick --inputs lateral {OF_STUDIES} out/axle_box'": "out/axle_box/quick/index.html",
     f"monitor OPTIONS='--seeds 1 --stops 40 --pressure-offset 4000 {OF_STUDIES} out/pads'": "out/pads/index.html",
     "k-factors OPTIONS='--set estimate.samples=20 --set estimate.runs=2 --set loop.samples=20 --set loop.runs=2"
@@ -179,8 +178,7 @@ ELSEWHERE = {
 """Target, command or option → the test that runs it."""
 
 WHOLE = {
-    "--write": ("attribution", "estimators", "fleet", "papers", "trains",
-                "lateral", "axle_box", "roller_rig", "field_test"),
+    "--write": ("attribution", "estimators", "fleet", "papers", "trains", "axle_box", "roller_rig", "field_test"),
     "--cases": ("attribution",),
     "--gain-cases": ("attribution",),
     "--fit": ("papers",),

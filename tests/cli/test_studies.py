@@ -41,7 +41,7 @@ def counted(case):
 
 @pytest.fixture
 def study_work(own_cache):
-    with one_process(), work("lateral") as own:
+    with one_process(), work("etcs") as own:
         yield own
 
 
@@ -89,7 +89,7 @@ def test_a_case_runs_once_whatever_its_values(study_work):
 
 def test_fresh_cases_run_again_and_studies_do_not_share_results(study_work):
     results = study_work.map(counted, [Case(1.0)])
-    with work("lateral", fresh=True) as fresh, work("trains") as other:
+    with work("etcs", fresh=True) as fresh, work("benefit") as other:
         assert results != fresh.map(counted, [Case(1.0)]) != other.map(counted, [Case(1.0)]) != results
 
 

@@ -9,6 +9,7 @@ import pytest
 from railgrip.base import registry
 from railgrip.base.names import ElementName
 from railgrip.controllers.law import GroupLaw
+from railgrip.estimation.lateral import run as lateral
 from railgrip.estimation.models import model_of, of_train
 from railgrip.estimation.spec import LIBRARY as ESTIMATION_LIBRARY
 from railgrip.estimation.spec import load_specification, settings_for
@@ -23,7 +24,6 @@ from railgrip.scenario.onboard import SensorModel
 from railgrip.simulate.estimator import _NOISE_PREFIX
 from railgrip.simulate.train_prediction import CENTRAL
 from railgrip.studies.estimators.replay import ESTIMATORS
-from railgrip.studies.lateral import run as lateral
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import entrants
 
@@ -102,7 +102,7 @@ def test_each_prediction_of_a_train_or_rig_has_default_noises(model):
     elif model not in ESTIMATIONS:
         assert model in CENTRAL, (
             f"no noises for {model}: add a file with [model] class = '{model}' and [noise] to "
-            "harness/estimation/library, or its noises to harness/studies/lateral/run.py"
+            "harness/estimation/library, or its noises to harness/estimation/lateral/run.py"
         )
     if model in ESTIMATIONS and model not in _NOISE_PREFIX:
         specification = load_specification(ESTIMATIONS[model])
@@ -125,7 +125,7 @@ def test_each_prediction_of_a_train_or_rig_has_default_noises(model):
 
 @pytest.mark.parametrize("model", LATERAL)
 def test_each_lateral_prediction_has_default_noises(model):
-    where, equations = "of harness/studies/lateral/run.py", model_of(model)
+    where, equations = "of harness/estimation/lateral/run.py", model_of(model)
     states, readings = [variable.name for variable in equations.states], lateral.PLANTS["paper"].sensors
     assert len(readings) == len(equations.outputs), f"sensors {where} have no noise for each output of {model}"
     if LATERAL[model] == "reconstruction":

@@ -5,14 +5,10 @@ import numpy as np
 import pytest
 
 from railgrip.base.errors import EstimatorError, FmuError
-from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.prediction import CasadiPrediction
-from railgrip.fmus.native import lower
-from railgrip.studies.lateral import run
-from railgrip.studies.lateral.information import errors_of_filter
-from railgrip.studies.lateral.judge import beliefs_about, measure
-from railgrip.studies.lateral.run import (
+from railgrip.estimation.lateral import run
+from railgrip.estimation.lateral.information import errors_of_filter
+from railgrip.estimation.lateral.judge import beliefs_about, measure
+from railgrip.estimation.lateral.run import (
     INTEGRALS,
     NAMES,
     PAPER_NOISE,
@@ -23,7 +19,7 @@ from railgrip.studies.lateral.run import (
     prediction,
     simulate,
 )
-from railgrip.studies.lateral.wheelset import (
+from railgrip.estimation.lateral.wheelset import (
     DRY,
     INPUTS,
     PAPER_SENSORS,
@@ -35,6 +31,10 @@ from railgrip.studies.lateral.wheelset import (
     course,
     wheelset,
 )
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.fmus.native import lower
 
 READING_NOISE = np.square(PAPER_SENSORS)
 

@@ -1,28 +1,16 @@
-"""Detector of the rail condition, statistics over seeds, and the study with its cache."""
+"""Detector of the rail condition, and figures over the seeds."""
 
 import math
-import random
 
+import lateral_runs
 import numpy as np
 import pytest
 from scipy.stats import norm
 
 from railgrip.base.errors import EstimatorError
-from railgrip.campaign.work import work
+from railgrip.estimation.lateral.judge import QUANTITIES
+from railgrip.estimation.lateral.run import NAMES
 from railgrip.estimators.rail import UNDECIDED, ConditionDetector, confusion
-from railgrip.studies.lateral.judge import QUANTITIES
-from railgrip.studies.lateral.run import NAMES, LateralCase
-from railgrip.studies.lateral.study import LateralPlan, page_of
-from railgrip.studies.lateral.tables import (
-    confidence_of,
-    frame_of,
-    friction_errors,
-    levels,
-    median_interval,
-    skill,
-    typical,
-)
-from railgrip.studies.lateral.wheelset import DRY, PLANTS, WET, WORST, SurfaceTest
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}
 
@@ -71,82 +59,72 @@ def test_a_detector_that_cannot_decide_is_refused(wrong):
 
 def test_the_interval_of_ten_seeds_is_second_to_ninth():
     """Binomial: the median of ten is between the second and the ninth value with 1 − 22/1024."""
-    result = median_interval([float(k) for k in range(1, 11)])
-    assert (result.median, result.low, result.high) == (5.5, 2.0, 9.0)
-    assert confidence_of(10) == pytest.approx(1 - 22 / 1024)
+    found = lateral_runs.interval([float(k) for k in range(1, 11)], "rmse")
+    assert found == {"rmse": 5.5, "rmse low": 2.0, "rmse high": 9.0}
 
 
 def test_runs_without_a_value_count_as_infinite():
-    result = median_interval([1.0, 2.0, math.nan, math.nan, math.nan])
-    assert math.isinf(result.median)
-    assert math.isinf(result.high)
-    assert result.low == 1.0
+    found = lateral_runs.interval([1.0, 2.0, math.nan, None, None], "rmse")
+    assert found == {"rmse": math.inf, "rmse low": 1.0, "rmse high": math.inf}
 
 
-@pytest.mark.filterwarnings("ignore:overflow encountered")  # of a filter that diverges
-@pytest.mark.usefixtures("in_process")
-def test_a_repeated_study_reads_its_runs_from_the_cache_and_writes_a_page(tmp_path, monkeypatch):
-    """Same results from the cache, one page, one figure for each plant: one of each kind of deviation."""
-    for plant in PLANTS.keys() - {"paper", "softer", "service", "braking"}:
-        monkeypatch.delitem(PLANTS, plant)
-    never_run = 25.0 + 1e-3 * random.SystemRandom().random()
-    short = SurfaceTest(name="change", changes=((0.0, DRY), (0.3, WET)), duration=0.6)
-    plan = LateralPlan(tests=(short,), speeds=(never_run,), seeds=1)
-    with work("lateral", workers=1) as own:
-        page_of(plan, own)
-        # The runs, the information of one run, and the figures, which are not cached.
-        assert own.run_count == 2 * len(PLANTS) + 1
-        page = page_of(plan, own).write(tmp_path)
-        assert own.run_count == 3 * len(PLANTS) + 1
-    text = page.read_text(encoding="utf-8")
-    assert "well posed, track unknown" in text
-    assert len(list(tmp_path.glob("*.png"))) == len(PLANTS) + 2  # creep curves and first change of the surface
-    assert (tmp_path / "errors.csv").read_text(encoding="utf-8").count("\n") == 1 + len(PLANTS) * 3 * 5
+def run_with(rmse, **others):
+    """Measures of a run, in which the reconstruction has some error of creep and force, and the others have 3."""
+    errors = {name: {key: {"rmse": 3.0} for key in QUANTITIES} for name in NAMES}
+    errors["reconstruction"] |= {key: {"rmse": rmse} for key in ("creep", "creep_force")}
+    return {"errors": errors, "constant": dict.fromkeys(QUANTITIES, 2.0), **others}
 
 
-def test_the_page_names_the_conditions_that_a_filter_estimates_wrongly():
-    right, wrong = (
-        (case("paper"), levels_of(0.46)),
-        (case("softer"), levels_of(0.11)),
-    )
-    sentences = {sentence for _, _, sentence in levels(frame_of([right, wrong]))}
-    assert sentences == {
-        "Tells μ0 within 0.05 rms in dry, worst.",
-        "Tells μ0 within 0.05 rms in worst; takes dry, 0.46, for 0.11.",
-    }
-    ((*_, sentence),) = levels(frame_of([(case("paper"), levels_of(1e37))]))
-    assert sentence.endswith("in worst; is lost in dry.")
+@pytest.fixture
+def runs(monkeypatch):
+    """Runs of the seeds from 1 on, which a test fills."""
+    found = []
+    monkeypatch.setattr(lateral_runs, "_runs", lambda *_: found)
+    return found
 
 
-def test_errors_are_relative_to_those_of_the_best_constant():
-    errors = {name: {quantity: {"rmse": 3.0} for quantity in QUANTITIES} for name in NAMES}
-    errors["reconstruction"]["creep"] = {"rmse": None}
-    measures = {"errors": errors, "constant": dict.fromkeys(QUANTITIES, 2.0)}
-    table = skill(frame_of([(case("paper"), measures)]), speed=25.0)
-    assert [row["quantity"] for row in table.texts] == ["lateral velocity", "yaw rate", "creep", "creep force"]
-    assert {row["well posed, track known"] for row in table.texts} == {"1.5"}
-    assert [row["reconstruction"] for row in table.texts] == ["1.5", "1.5", "∞", "1.5"]
+def test_errors_are_relative_to_those_of_the_best_constant(runs):
+    runs += [run_with(None)]
+    ratios = {(row["quantity"], row["filter"]): row["ratio"] for row in lateral_runs.skill_rows("dry", 1, 1.0)}
+    assert len(ratios) == 4 * len(NAMES)
+    assert {key for key, ratio in ratios.items() if math.isinf(ratio)} == {
+        ("creep", "reconstruction"), ("creep force", "reconstruction")
+    }  # fmt: skip
+    assert {ratio for ratio in ratios.values() if math.isfinite(ratio)} == {1.5}
 
 
-def test_errors_of_friction_are_listed_by_condition():
-    (row,) = friction_errors(frame_of([(case("softer"), levels_of(0.11))]), speed=25.0).texts
-    assert (row["dry 0.46"], row["worst 0.1"]) == ("0.35", "0.001")
+def test_errors_of_friction_are_listed_by_condition(runs):
+    levels = {"known_track": {"dry": (0.11, 0.35), "worst": (0.1, 0.001)}, "unknown_track": {}}
+    runs += [run_with(1.0, levels=levels)]
+    known, unknown = lateral_runs.friction_rows("softer", 1, 1.0)
+    assert (known["dry 0.46"], known["wet 0.3"], known["worst 0.1"]) == (0.35, math.inf, 0.001)
+    assert math.isinf(unknown["dry 0.46"])
 
 
-def test_a_typical_run_has_the_median_error_and_diverged_runs_count_as_the_worst():
-    errors = {1: 5.0, 2: None, 3: 1.0, 4: 7.0, 5: 2.0}
-    frame = frame_of(
-        (case("paper", seed), {"errors": {"reconstruction": {"creep_force": {"rmse": error}}}})
-        for seed, error in errors.items()
-    )
-    assert typical(frame).case.seed == 1
-    assert typical(frame[:4]).case.seed == 1  # the lower of 5 and 7
+def test_lost_filters_are_counted_and_the_first_instant_is_given(runs):
+    lost = {"reconstruction": 2.5, "known_track": None, "unknown_track": None}
+    nis = dict.fromkeys(NAMES, 1.0)
+    runs += [run_with(1.0, lost=lost | {"known_track": at}, nis=nis) for at in (None, 3.0, 0.5)]
+    rows = lateral_runs.innovation_rows("paper", 3, 1.0)
+    assert [(row["lost"], row["first"]) for row in rows] == [(3, 2.5), (2, 0.5), (0, None)]
+    assert [row["NIS"] for row in rows] == [1.0, 1.0, 1.0]
 
 
-def case(plant, seed=1):
-    test = SurfaceTest(name="change", changes=((0.0, DRY), (0.3, WORST)), duration=0.6)
-    return LateralCase(test=test, speed=25.0, plant=plant, seed=seed)
+@pytest.mark.parametrize(("errors", "seed"), [((5.0, None, 1.0, 7.0, 2.0), 1), ((5.0, None, 1.0, 7.0), 1)])
+def test_a_typical_run_has_the_median_error_and_diverged_runs_count_as_the_worst(runs, errors, seed):
+    """Of an even number the lower of the two in the middle."""
+    runs += [run_with(error) for error in errors]
+    assert lateral_runs.typical_row("dry", len(errors), 1.0) == {"seed": seed, "error": 5.0}
 
 
-def levels_of(dry):
-    return {"levels": {"known_track": {"dry": (dry, abs(0.46 - dry)), "worst": (0.1, 0.001)}}}
+@pytest.mark.usefixtures("own_cache", "in_process")
+def test_runs_of_a_study_share_their_results():
+    """One seed of a short transition, with each kind of rows."""
+    size = {"seeds": 1, "duration": 1.0}
+    (row, _, _) = lateral_runs.longitudinal_rows("braking", **size)
+    assert 0.01 < row["rms creep"] < 1.0
+    begin = lateral_runs._runs.cache_info().misses
+    assert len(lateral_runs.friction_rows("braking", **size)) == 2
+    assert lateral_runs._runs.cache_info().misses == begin
+    before, *_ = lateral_runs.spike_rows(lateral_runs.TRANSITION, **size)
+    assert before["before low"] == before["before"] == before["before high"]

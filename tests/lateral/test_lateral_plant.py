@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from railgrip.fmus.native import lower
-from railgrip.studies.lateral.judge import adhesion
-from railgrip.studies.lateral.wheelset import (
+from railgrip.estimation.lateral.judge import adhesion
+from railgrip.estimation.lateral.wheelset import (
     COLUMNS,
     CONDITIONS,
     DRY,
@@ -20,6 +19,7 @@ from railgrip.studies.lateral.wheelset import (
     course,
     wheelset,
 )
+from railgrip.fmus.native import lower
 
 
 @pytest.mark.parametrize("condition", CONDITIONS, ids=lambda c: c.name)

@@ -1,11 +1,12 @@
 """Information in the readings about the states of the reconstruction, from its equations."""
 
+import lateral_runs
 import numpy as np
 import pytest
 
-from railgrip.studies.lateral.information import information_of, observability_by_condition, surface_change_table
-from railgrip.studies.lateral.run import LateralCase, simulate
-from railgrip.studies.lateral.wheelset import CONDITIONS, PERIOD, TESTS
+from railgrip.estimation.lateral.information import information_of
+from railgrip.estimation.lateral.run import LateralCase, simulate
+from railgrip.estimation.lateral.wheelset import CONDITIONS, PERIOD, TESTS
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +30,13 @@ def test_a_change_of_the_surface_is_beyond_the_process_noise(found):
     assert found.jump[0] > 0.05
     assert found.allowed == pytest.approx(np.sqrt(1e-12 * 0.5 / PERIOD))
     assert np.all(found.jump > 100 * found.allowed)
-    assert [row["state"] for row in surface_change_table([found]).texts] == ["friction", "force"]
-    assert [row["condition"] for row in observability_by_condition([found]).texts] == [
-        condition.name for condition in CONDITIONS
-    ]
+
+
+def test_rows_of_information_have_all_conditions_and_states(found, monkeypatch):
+    monkeypatch.setattr(lateral_runs, "over_seeds", lambda *_: [found])
+    rows = lateral_runs.observed_rows(1, 2.5)
+    assert sum(row["windows"] for row in rows) == len(found.condition)
+    assert [row["condition"] for row in rows] == [condition.name for condition in CONDITIONS]
+    assert all(0 <= row["force"] <= row["force 90"] for row in rows)
+    friction, force = lateral_runs.refused_rows(1, 2.5)
+    assert (friction["jump"], force["allowed"]) == (found.jump[0], found.allowed[1])

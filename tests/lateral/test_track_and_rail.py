@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
+from railgrip.estimation.lateral.wheelset import CONDITIONS, PERIOD, TESTS, course, draw_track
 from railgrip.fmus.native.dae import LIBRARY
-from railgrip.studies.lateral.wheelset import CONDITIONS, PERIOD, TESTS, course, draw_track
 
 
 def test_the_largest_deviation_of_the_track_is_its_peak():

@@ -10,6 +10,9 @@ import numpy as np
 import pandas
 
 from railgrip.estimation.judge import error_figures, rms
+from railgrip.estimation.lateral.judge import beliefs_about
+from railgrip.estimation.lateral.run import STIFFNESS_NAMES, LateralCase, bound_of_run, simulate
+from railgrip.estimation.lateral.wheelset import TESTS
 from railgrip.estimation.run import context_of, filter_data, run_kind
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import load_specification, prediction_for, settings_for
@@ -21,9 +24,6 @@ from railgrip.report.table import Form, ReportTable, share
 from railgrip.studies.estimators.judge import CaseBound
 from railgrip.studies.estimators.recordings import FAMILIES
 from railgrip.studies.estimators.replay import CONSTANT, FORCE_BALANCE, bound_along, columns, entry_of
-from railgrip.studies.lateral.judge import beliefs_about
-from railgrip.studies.lateral.run import STIFFNESS_NAMES, LateralCase, bound_of_run, simulate
-from railgrip.studies.lateral.wheelset import TESTS
 
 Measure = Literal["rmse", "coverage"]
 

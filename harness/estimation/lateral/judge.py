@@ -11,13 +11,13 @@ import numpy as np
 
 from railgrip.base.units import GRAVITY
 from railgrip.estimation.judge import rms
+from railgrip.estimation.lateral.run import EVERY, Beliefs, Name, Trace, prediction
+from railgrip.estimation.lateral.wheelset import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS, Condition
 from railgrip.estimators.belief import Array
 from railgrip.estimators.consistency import delay, loss_step, nis_ratio
 from railgrip.estimators.observability import along
 from railgrip.estimators.rail import ConditionDetector, confusion
 from railgrip.fmus.native import lower
-from railgrip.studies.lateral.run import EVERY, Beliefs, Name, Trace, prediction
-from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS, Condition
 
 QUANTITIES: Final[Mapping[str, str]] = {
     "lateral_velocity": "m/s",

@@ -1,7 +1,6 @@
 """What the readings determine: friction and creep stiffness together, and the states of the reconstruction."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -10,13 +9,8 @@ from numpy.typing import NDArray
 
 from railgrip.base.units import GRAVITY
 from railgrip.estimation.judge import NORMAL_95, rms
-from railgrip.estimation.models import of_class
-from railgrip.estimators.belief import Array
-from railgrip.estimators.observability import along
-from railgrip.report.frame import Frame, groups_of
-from railgrip.report.table import ReportTable, share, whole_percent
-from railgrip.studies.lateral.judge import WINDOW, time_since_change
-from railgrip.studies.lateral.run import (
+from railgrip.estimation.lateral.judge import WINDOW, time_since_change
+from railgrip.estimation.lateral.run import (
     CLASSES,
     EVERY,
     PAPER_NOISE,
@@ -27,24 +21,19 @@ from railgrip.studies.lateral.run import (
     prediction,
     simulate,
 )
-from railgrip.studies.lateral.tables import TITLES, median_interval
-from railgrip.studies.lateral.wheelset import (
+from railgrip.estimation.lateral.wheelset import (
     ALL_PLANTS,
     CONDITIONS,
     PAPER_SENSORS,
     PERIOD,
-    SMOOTH_PLANTS,
-    STIFFNESS_PLANTS,
-    TESTS,
-    SurfaceTest,
 )
+from railgrip.estimation.models import of_class
+from railgrip.estimators.belief import Array
+from railgrip.estimators.observability import along
 
 KNOWN: Final = 0.1
 """Deviation of the logarithm of friction up to which friction counts as known: the 95 % interval, ±20 %, then separates
 neighbouring conditions of Table 3, whose frictions have ratios from 1.5 to 2."""
-
-ESTIMATING: Final[tuple[Name, ...]] = ("known_track_stiffness", "unknown_track_stiffness")
-"""Filters of the table that shows when friction is known."""
 
 LOAD: Final = 15000 * GRAVITY / 2
 """Load of a wheel with the parameters of Table 1 [N]."""
@@ -101,61 +90,6 @@ def errors_of_filter(trace: Trace, name: Name) -> dict[str, float]:
 
 def _share(values: NDArray[np.bool_], part: NDArray[np.bool_]) -> float:
     return float(np.mean(values[part])) if part.any() else math.nan
-
-
-def stiffness_cases(seeds: int, duration: float) -> tuple[LateralCase, ...]:
-    """Return the transition with every error of the stiffness, and dry and worst rail with small irregularities."""
-    transition = TESTS[-1].shorten(duration)
-    surfaces: Sequence[SurfaceTest] = [TESTS[k].shorten(duration) for k in (0, 3)]
-    runs = [(transition, plant) for plant in STIFFNESS_PLANTS]
-    runs += [(test, plant) for test in surfaces for plant in SMOOTH_PLANTS]
-    return tuple(
-        LateralCase(test=test, speed=25.0, plant=plant, seed=seed)
-        for test, plant in runs
-        for seed in range(1, seeds + 1)
-    )
-
-
-def stiffness_table(frame: Frame) -> ReportTable:
-    """Return the errors of every filter in the transition by the error of the stiffness; medians over the seeds."""
-    rows = [
-        {
-            "plant": STIFFNESS_PLANTS[plant].title,
-            "filter": TITLES[name],
-            "RMSE of μ0": f"{median_interval(errors['rmse'])}",
-            "coverage": _mean(errors["coverage"]),
-            "friction known": _mean(errors["known"]),
-            "RMSE of stiffness": f"{100 * errors['stiffness'].median():.2g} %",
-            "its coverage": _mean(errors["stiffness_coverage"]),
-        }
-        for (plant, name), errors in groups_of(frame[frame["plant"].isin(STIFFNESS_PLANTS)], ("plant", "filter"))
-    ]
-    return ReportTable(rows, left=("plant", "filter"))
-
-
-def known_table(frame: Frame) -> ReportTable:
-    """Return when the filters with an estimate of stiffness know friction, by surface, sensors and irregularity."""
-    part = frame[frame["plant"].isin(SMOOTH_PLANTS) & frame["filter"].isin(ESTIMATING)]
-    rows = [
-        {
-            "rail": test,
-            "sensors and track": SMOOTH_PLANTS[plant].title,
-            "filter": TITLES[name],
-            "force used": _mean(errors["used"]),
-            "σ(log μ0)": f"{errors['deviation'].median():.2g}",
-            "correlation": f"{errors['correlation'].median():.2f}".replace("-", "−"),
-            "friction known": _mean(errors["known"]),
-            "coverage while known": _mean(errors["coverage_known"]),
-            "while not": _mean(errors["coverage_unknown"]),
-        }
-        for (test, plant, name), errors in groups_of(part, ("test", "plant", "filter"))
-    ]
-    return ReportTable(rows, left=("rail", "sensors and track", "filter"))
-
-
-def _mean(values: Frame) -> str:
-    """Return the mean of the values that exist as a share in per cent."""
-    return share(float(values.mean())) if values.count() else "–"
 
 
 SHORT: Final = 0.02
@@ -234,43 +168,4 @@ def information_of(trace: Trace) -> Information:
         jump=jump,
         allowed=deviation[3:],
         mirrored=float(np.max(np.abs(seen - other) / PAPER_SENSORS)),
-    )
-
-
-def observability_by_condition(runs: Sequence[Information]) -> ReportTable:
-    """Return, by condition, the standard deviation of each hidden state given a short window, over its size."""
-    rows: list[dict[str, Any]] = []
-    for number, condition in enumerate(CONDITIONS):
-        parts = [(run.short / run.size, run.rank, run.condition == number) for run in runs]
-        shares = np.concatenate([share[determined] for share, _, determined in parts])
-        if not len(shares):
-            continue
-        ranks = np.concatenate([rank[determined] for _, rank, determined in parts])
-        middle, most = np.median(shares, axis=0), np.quantile(shares, 0.9, axis=0)
-        rows.append(
-            {"condition": condition.name, "windows": len(shares), "all five determined": float(np.mean(ranks == 5))}
-            | {
-                f"σ({name})": f"{100 * a:.2g} % ({100 * b:.2g} %)"
-                for name, a, b in zip(("creep", "friction", "force"), middle, most, strict=True)
-            }
-        )
-    return ReportTable(rows, {"all five determined": whole_percent}, ("condition",))
-
-
-def surface_change_table(runs: Sequence[Information]) -> ReportTable:
-    """Return the change of friction and force at a change of the surface, and that which the process noise allows."""
-    jump = np.median([run.jump for run in runs], axis=0)
-    allowed, long = runs[0].allowed, np.median(np.concatenate([run.long for run in runs]), axis=0)
-    return ReportTable(
-        [
-            {
-                "state": name,
-                "largest change with the surface": f"{jump[i]:.3g}{unit}",
-                f"1σ of its process noise in {WINDOW:g} s": f"{allowed[i]:.1e}{unit}",
-                "ratio": f"{jump[i] / allowed[i]:.1e}",
-                f"determined by {WINDOW:g} s of readings": f"±{long[1 + i]:.1e}{unit}",
-            }
-            for i, (name, unit) in enumerate((("friction", ""), ("force", " N")))
-        ],
-        left=("state",),
     )

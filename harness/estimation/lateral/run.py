@@ -19,12 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import FilterDiverged
-from railgrip.estimation.models import Kind, of_class
-from railgrip.estimators.belief import Array, GaussianEstimate, Vector, seal
-from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.observability import linearised_bound
-from railgrip.estimators.prediction import PredictionInC
-from railgrip.studies.lateral.wheelset import (
+from railgrip.estimation.lateral.wheelset import (
     ALL_PLANTS,
     COLUMNS,
     CONDITIONS,
@@ -41,6 +36,11 @@ from railgrip.studies.lateral.wheelset import (
     track_acceleration_density,
     wheelset,
 )
+from railgrip.estimation.models import Kind, of_class
+from railgrip.estimators.belief import Array, GaussianEstimate, Vector, seal
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.observability import linearised_bound
+from railgrip.estimators.prediction import PredictionInC
 
 Name = Literal["reconstruction", "known_track", "unknown_track", "known_track_stiffness", "unknown_track_stiffness"]
 NAMES: Final[tuple[Name, ...]] = ("reconstruction", "known_track", "unknown_track")
