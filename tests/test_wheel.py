@@ -35,7 +35,8 @@ def source(tmp_path_factory):
 def wheel(source, tmp_path_factory):
     out = tmp_path_factory.mktemp("wheel")
     build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "-w", str(out)]
-    subprocess.run([*build, str(source)], check=True, capture_output=True)
+    copy = shutil.copytree(source, out / "source")  # pip leaves a folder `build` in it
+    subprocess.run([*build, str(copy)], check=True, capture_output=True)
     (built,) = out.glob("*.whl")
     return built, source
 
