@@ -262,8 +262,6 @@ def _culprits(
 ) -> Iterator[tuple[str, str]]:
     """Yield the statements without which the front end does not fail in this way, in the file of the class first."""
     stage, cause = message.partition(": ")[0], message.rpartition(": ")[2]
-    if "could not be compiled" in stage:
-        return
 
     def is_needed(file: Path, without: str) -> bool:
         try:
@@ -271,6 +269,8 @@ def _culprits(
         except (rumoca.RumocaError, RuntimeError) as error:
             # An error of an earlier stage, or too few equations, shows that the rest of the text needs the statement.
             outcome = str(error)
+            if "could not be compiled" in stage:
+                return False
             return outcome.startswith(stage) and "unbalanced model" not in outcome and not outcome.endswith(cause)
         return True
 
