@@ -210,16 +210,20 @@ COMPILED_QUICKLY = {"eanos_wagon", "tram", "two_axle_wagon"}
             for path in sorted(TRAINS.glob("*.toml"))
             if path.stem in COMPILED_QUICKLY or (FUZZ and path.stem != "freight_train")
         ),
-        pytest.param({"model": "SimpleTrain.FreightTrain", "library": "SimpleTrain/package.mo"}, id="SimpleTrain"),
+        pytest.param({"model": "SimpleTrain.FreightTrain", "library": f"{EXAMPLES}/SimpleTrain"}, id="SimpleTrain"),
+        pytest.param({"model": "MyTrains.Wagon", "library": "MyTrains.mo"}, id="own_modelica.md"),
     ],
 )
-def test_a_stop_has_the_same_distance_with_the_fmu_of_either_compiler(vehicle, speed, mu0, monkeypatch):
+def test_a_stop_has_the_same_distance_with_the_fmu_of_either_compiler(vehicle, speed, mu0, tmp_path, monkeypatch):
+    page = (EXAMPLES.parent / "tutorials" / "own_modelica.md").read_text(encoding="utf-8")
+    text = page.partition('Path("MyTrains.mo").write_text("""')[2].partition('"""')[0]
+    (tmp_path / "MyTrains.mo").write_text(text, encoding="utf-8")
     distances: dict[str, float] = {}
     for compiler in ("native", "openmodelica"):
         monkeypatch.setattr("railgrip.fmus.build.choose", lambda wanted, compiler=compiler: compiler)
         for kept in (named_models._train_file, named_models._class_file):
             kept.cache_clear()
-        stop = run_stop(dry(vehicle, speed, EXAMPLES, mu0=mu0))
+        stop = run_stop(dry(vehicle, speed, tmp_path, mu0=mu0))
         assert stop.outcome is Outcome.STANDSTILL, stop.reason
         (tool,) = fmu_tools(stop.versions).values()
         assert tool.startswith(OURS) == (compiler == "native")
