@@ -149,7 +149,8 @@ def inspect_recording(
 
     Raises:
         ScenarioError: The estimation cannot be read.
-        EstimationError: The file cannot be read, no column of time is recognised, or no other has two numbers.
+        EstimationError: The file cannot be read, no column of time is recognised, or no other has two numbers at rising
+            times.
     """
     specification = load_specification(estimation, {} if train is None else {"model.train": train})
     # The proposal may be in another folder than the current one.
@@ -157,7 +158,10 @@ def inspect_recording(
     clock, series, texts, blank, notices = _read(path, time, decimal, order)
     findings = [finding for name, column in series.items() for finding in _findings(name, column)]
     if not findings:
-        raise EstimationError(f"{path.name}: has no column with two numbers besides its time; name another recording.")
+        raise EstimationError(
+            f"{path.name}: has no column besides its time with two numbers at rising times; name another recording, or "
+            "the column of time with --time."
+        )
     wanted = _required_signals(specification)
     recognised = _recognise(findings, wanted)
     period = min(finding.period for finding in recognised.values() or findings)

@@ -10,6 +10,7 @@ import re
 import sys
 import traceback
 import warnings
+from collections import Counter
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -169,7 +170,11 @@ def _parquet(path: Path, columns: Sequence[str] | None) -> Columns:
         if columns is not None:
             _all_there(path, columns, schema.names)
             columns = list(dict.fromkeys(columns))
-        _require_memory(path, about.num_rows * len(columns or schema.names))
+        names = columns or schema.names
+        if twice := [name for name, count in Counter(schema.names).items() if count > 1 and name in names]:
+            number = schema.names.count(twice[0])
+            raise EstimationError(f"{path.name}: there are {number} columns '{twice[0]}'; rename them.")
+        _require_memory(path, about.num_rows * len(names))
         # Without the metadata of pandas, levels of an index are columns.
         frame = parquet.read_table(path, columns=columns).to_pandas(ignore_metadata=True)
     units = {str(name): "s" for name in frame.columns if frame[name].dtype.kind == "m"}
@@ -428,7 +433,7 @@ def _instants(path: Path, file: Columns, table: DataTable) -> Vector:
 
 @_quietly()
 def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Series]:
-    """Return channels of an MDF file by name, each on its own instants; all of numbers when None; see `read_series`."""
+    """Return channels of an MDF file by name, each on its own instants; all when None, texts as NaN (`read_series`)."""
     _require_file(path)
     library, series = _library(path, "asammdf", "mf4"), dict[str, Series]()
     logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # it raises an exception for each damage that it logs
@@ -451,11 +456,11 @@ def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Seri
             signal = file.get(group=group, index=index)
             values = np.asarray(signal.samples)
             if values.dtype.kind not in "fiub" or values.ndim != 1:
-                if is_of_all:
-                    continue
-                raise EstimationError(
-                    f"{path.name}: channel '{name}' must have one number per sample; it has {values.dtype}."
-                )
+                if not is_of_all:
+                    raise EstimationError(
+                        f"{path.name}: channel '{name}' must have one number per sample; it has {values.dtype}."
+                    )
+                values = np.full(len(signal.timestamps), np.nan)
             series[name] = Series(
                 time=np.asarray(signal.timestamps, dtype=np.float64),
                 values=values.astype(np.float64),

@@ -111,8 +111,8 @@ def _track(vehicle: VehicleData) -> Iterator[str]:
         )
     elif line is not None and line.ends[0] > -behind[-1]:
         yield (
-            f"[track.line] {line.file.entry} begins {-line.ends[0]:g} m behind the leading wheelset, and the last one "
-            f"is {behind[-1]:g} m behind it; behind its end the first gradient is assumed to go on"
+            f"[track.line] {line.file.entry} begins {0.0 - line.ends[0]:g} m behind the leading wheelset, and the last "
+            f"one is {behind[-1]:g} m behind it; behind its end the first gradient is assumed to go on"
         )
 
 

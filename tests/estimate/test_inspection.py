@@ -147,13 +147,37 @@ def test_a_file_without_time_requires_the_name_of_the_column(tmp_path):
         inspect_recording(path, Path("rig_own"), "K")
 
 
-@pytest.mark.parametrize("name", ["lost.csv", "lost.mf4", "run.nc", "empty.csv", "words.csv"])
-def test_a_file_without_a_recording_is_refused_with_its_name(tmp_path, name):
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        *((name, "") for name in ("lost.csv", "lost.mf4", "run.nc", "empty.csv")),
+        ("words.csv", " has no column besides its time with two numbers at rising times; name another"),
+        ("back.csv", " has no column besides its time with two numbers at rising times; name another"),
+        ("twice.parquet", " there are 2 columns 'v'; rename them"),
+    ],
+)
+def test_a_file_without_a_recording_is_refused_with_its_name(tmp_path, name, sentence):
+    parquet, pa = pytest.importorskip("pyarrow.parquet"), pytest.importorskip("pyarrow")
+    parquet.write_table(pa.Table.from_arrays([pa.array([0.0, 1.0])] * 3, ["t", "v", "v"]), tmp_path / "twice.parquet")
+    (tmp_path / "back.csv").write_text("time [s],v\n2,20\n1,21\n", encoding="utf-8")
     (tmp_path / "run.nc").write_bytes(b"")
     (tmp_path / "empty.csv").write_bytes(b"")
     (tmp_path / "words.csv").write_text("time [s],v\n0,a\n1,b\n", encoding="utf-8")
-    with pytest.raises(EstimationError, match=name):
+    with pytest.raises(EstimationError, match=f"{name}:{sentence}"):
         inspect_recording(tmp_path / name, Path("rig_own"))
+
+
+def test_a_channel_of_texts_in_an_mdf_file_is_named(tmp_path):
+    asammdf = pytest.importorskip("asammdf")
+    texts = {0: b"off", 1: b"on"}
+    conversion = {
+        f"{key}_{number}": value for number, text in texts.items() for key, value in (("val", number), ("text", text))
+    }
+    with asammdf.MDF() as file:
+        for name, more in (("v", {}), ("mode", {"conversion": conversion})):
+            file.append(asammdf.Signal(samples=np.arange(50) % 2, timestamps=np.arange(50) * 0.1, name=name, **more))
+        file.save(tmp_path / "run.mf4")
+    assert inspect_recording(tmp_path / "run.mf4", Path("rig_own")).texts == ("mode",)
 
 
 def test_time_stamps_are_recognised(tmp_path):

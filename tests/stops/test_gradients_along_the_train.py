@@ -140,6 +140,7 @@ def test_a_coupler_pulls_with_the_difference_of_the_gradients_of_its_cars(tmp_pa
     [
         (SUMMIT, {"wheelset_position": []}, "give [vehicle.formation] wheelset_position"),
         (((-100, 0.02), (0, -0.02)), {}, "begins 100 m behind the leading wheelset, and the last one is 300 m"),
+        (((0, 0.02), (200, -0.02)), {}, "begins 0 m behind the leading wheelset, and the last one is 300 m"),
         (FALL, {"wheelset_position": []}, ""),
         (((-100, 0.02),), {}, ""),
         (SUMMIT, {}, ""),
