@@ -3,6 +3,7 @@
 Each check does its own imports, so that a broken package is reported like any other problem.
 """
 
+import csv
 import platform
 import re
 import shutil
@@ -86,19 +87,19 @@ def _versions() -> Iterator[CheckResult]:
 
 
 def _files_of_the_package() -> Iterator[CheckResult]:
-    files = distribution("railgrip").files or []
-    package_files = [file for file in files if file.parts[0] == "railgrip" and file.suffix != ".pyc"]
-    missing = [str(file) for file in package_files if not Path(str(file.locate())).is_file()]
+    installed = distribution("railgrip")
+    # From Python 3.12 on, `files` leaves out those that are missing.
+    names = [row[0] for row in csv.reader((installed.read_text("RECORD") or "").splitlines())]
+    names = [name for name in names if name.startswith("railgrip/") and not name.endswith(".pyc")]
+    missing = [name for name in names if not Path(str(installed.locate_file(name))).is_file()]
     if missing:
-        words = f"{len(missing)} of {len(package_files)} files are missing, such as {missing[0]}"
+        words = f"{len(missing)} of {len(names)} files are missing, such as {missing[0]}"
         yield CheckResult(
             "files of the package", words, "install railgrip again, with the options --force-reinstall --no-deps of pip"
         )
     else:
-        yield CheckResult(
-            "files of the package",
-            f"{len(package_files)}, all there" if package_files else "used from a folder of sources",
-        )
+        found = f"{len(names)}, all there" if names else "used from a folder of sources"
+        yield CheckResult("files of the package", found)
 
 
 def _compiler() -> Iterator[CheckResult]:
