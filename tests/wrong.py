@@ -1,4 +1,4 @@
-"""Tables of wrong inputs, in files next to their tests, with words of the sentences that refuse them."""
+"""Tables of inputs, in files next to their tests, with words of the sentences that refuse them, or other results."""
 
 import re
 import tomllib
@@ -14,3 +14,17 @@ def table(test: str, name: str) -> dict[str, Any]:
 def words(sentence: str) -> str:
     """Return the pattern of a sentence in which "…" is any text."""
     return f"(?s:{'.*'.join(map(re.escape, sentence.split('…')))})"
+
+
+REMOVED = "<none>"
+
+
+def change(tables: Any, path: str, value: Any) -> None:
+    """Set a key of nested tables and lists, as "cars.0.mass"; `REMOVED` removes it."""
+    *above, last = (int(step) if step.isdigit() else step for step in path.split("."))
+    for step in above:
+        tables = tables[step]
+    if value == REMOVED:
+        del tables[last]
+    else:
+        tables[last] = value

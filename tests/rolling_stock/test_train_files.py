@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from wrong import change, table
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import shelf
@@ -73,62 +74,18 @@ def test_messages_number_entries_of_the_file_and_name_each_once(tables):
     assert "[cars[2]] is the last car" in refused(counted)
 
 
-JACOBS = [{"kind": "trailer", "at": "24 m", "shared": True}]
-
-
-def stiff(value):
-    return lambda tables: tables["bogies"]["trailer"].update(stiffness=value)
-
-
-def damped(value):
-    return lambda tables: tables["bogies"]["trailer"].update(damping=value)
-
-
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        (lambda t: t["bogies"]["trailer"].update(brake="drum"), "[bogies.trailer] brake names 'drum'"),
-        (lambda t: t["cars"][1]["bogies"][0].update(kind="jacobs"), "[cars[2]] bogies names 'jacobs'"),
-        (lambda t: t["bogies"]["trailer"].update(axles=[0, 1, 3]), "axles that are not equally spaced"),
-        (lambda t: t["bogies"]["trailer"].update(units=[1, 2, 3]), "has 2 axles and 3 units"),
-        (lambda t: t["cars"][0].update(axle_masses=["1 t"]), "[cars[1]] axle_masses has 1 values, A has 4 axles"),
-        (lambda t: t["cars"][1].update(coupler="bar"), "[cars[2]] is the last car"),
-        (lambda t: t["cars"][1]["bogies"][0].update(at="23 m"), "the positions of the axles do not increase"),
-        (lambda t: t["cars"][0].update(mass="44 kN"), "[cars[1]] mass is '44 kN'"),
-        (lambda t: t["cars"][0].update(weight=3), "[cars[1]] has no key 'weight'"),
-        (lambda t: t.update(sanders=[{"wheelset": 9, "rate": "2 kg/min", "delay": 1}]), "[sanders[1]] is at wheelset"),
-        (lambda t: t["cars"][0].update(distributor="P"), "[cars[1]] distributor names 'P', which is not in [dis"),
-        (lambda t: t["cars"][1].update(accelerator="slow"), "[cars[2]] accelerator names 'slow', which is not in [acc"),
-        (lambda t: t["distributors"]["R"].update(low_share=1.5), "[distributors.R] low_share must be at most 1"),
-        (lambda t: t["distributors"]["R"].update(speed_down="80 km/h"), "speed_down 80 km/h and speed_up 70 km/h"),
-        (lambda t: t["distributors"]["R"].update(stage_time=0), "[distributors.R] stage_time must be at least"),
-        (lambda t: t["distributors"]["R"].pop("estimated"), "[distributors.R] has numbers without an origin"),
-        (lambda t: t["accelerators"]["quick"].update(closing_pressure="6 bar"), "closing_pressure must be below"),
-        (lambda t: t["accelerators"]["quick"].update(closing_pressure="4.6 bar"), "closing_pressure must be below"),
-        (lambda t: t["accelerators"]["quick"].update(opening_rate="0.7 bar"), "[accelerators.quick] opening_rate is"),
-        (lambda t: t["accelerators"]["quick"].update(conductance="1 cm2"), "[accelerators.quick] conductance is"),
-        (lambda t: t["cars"][0].update(count=0), "[cars[1]] count is 0"),
-        (lambda t: t["cars"][0].update(count=65), "[cars[1]] count is 65"),
-        (lambda t: t["cars"][0].update(count=64), "cars has 65 cars with those of count; a train has 64 at most"),
-        (lambda t: t["cars"][0].update(count=2.0), "[cars[1]] count is 2.0"),
-        (lambda t: t["cars"][0].update(count=True), "[cars[1]] count is True"),
-        (lambda t: t.update(cars=[t["cars"][0] | {"bogies": JACOBS, "axle_masses": ["11 t"] * 2, "count": 2}]),
-         "[cars[1]] is the last car"),
-        (stiff("2.4 mN/m"), "[bogies.trailer] stiffness must be at least 10000 N/m, got '2.4 mN/m'; "
-         "expected is 10000 to 1e+10 N/m; axle boxes"),
-        (stiff(5e-324), "[bogies.trailer] stiffness is 5e-324, too small to calculate with; give 0, "
-         "or at least 2.2e-308"),
-        (damped("5e-310 N.s/m"), "[bogies.trailer] damping is '5e-310 N.s/m', too small to calculate with"),
-        (damped("24 mN.s/m"), "got '24 mN.s/m'; expected is 0, or 10 to 1e+09 N.s/m; dampers"),
-        (lambda t: t["bogies"]["trailer"].update(wheel_radius="0.46 mm"),
-         "expected is 0.15 to 0.7 m; this is the radius, not the diameter; wheels have"),
-    ],
-)  # fmt: skip
-def test_an_impossible_train_is_refused_with_its_key(piped, change, sentence):
-    change(piped)
+@pytest.mark.parametrize(("key", "value", "sentence"), table(__file__, "tables.toml")["impossible_trains"])
+def test_an_impossible_train_is_refused_with_its_key(piped, key, value, sentence):
+    change(piped, key, value)
     refusal = refused(piped)
     assert refusal.startswith("ours.toml: ")
     assert sentence in refusal
+
+
+def test_the_last_car_of_a_count_shares_no_bogie_with_the_next(piped):
+    shared = [{"kind": "trailer", "at": "24 m", "shared": True}]
+    piped["cars"] = [piped["cars"][0] | {"bogies": shared, "axle_masses": ["11 t"] * 2, "count": 2}]
+    assert "[cars[1]] is the last car" in refused(piped)
 
 
 @pytest.mark.parametrize(("key", "name"), [("distributor", "R"), ("accelerator", "quick")])
