@@ -94,7 +94,6 @@ COMMANDS = {
     "study estimators --estimator constant --quick": "index.html",
     "study etcs emu387 --write": "limits.csv",
     "study etcs emu387 --quick": "limits.csv",
-    "study fleet --quick": "index.html",
     "study k_factors vt642 --quick": "k_factors.json",
     "study pad_monitor --quick": "index.html",
     "study papers --quick": "index.html",
@@ -178,7 +177,7 @@ ELSEWHERE = {
 """Target, command or option → the test that runs it."""
 
 WHOLE = {
-    "--write": ("attribution", "estimators", "fleet", "papers", "trains", "axle_box", "roller_rig", "field_test"),
+    "--write": ("attribution", "estimators", "papers", "trains", "axle_box", "roller_rig", "field_test"),
     "--cases": ("attribution",),
     "--gain-cases": ("attribution",),
     "--fit": ("papers",),

@@ -186,7 +186,6 @@ def test_a_digest_has_all_studies_whose_code_a_study_runs():
     assert found.keys() == set(names())
     for study, imported in found.items():
         assert imported <= studies_used(study, folder), study
-    assert "pad_monitor" in found["fleet"]
     assert "trains" in found["benefit"]
 
 

@@ -5,19 +5,19 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-
-from railgrip.studies.fleet import (
+from fleet_stops import (
     CANDIDATES,
     STARTS,
-    Hierarchy,
     Releases,
-    StopEstimate,
+    TrainStops,
     design,
-    estimate_fleet,
     in_order,
     log_determinant,
+    needed_row,
     stop_estimate,
 )
+
+from railgrip.estimation.fleet import Hierarchy, StopEstimate, estimate_fleet
 from railgrip.studies.pad_monitor.evidence import evidence_of
 from railgrip.studies.pad_monitor.life import Life, Release, braking_pressures, demand_table, live
 
@@ -177,7 +177,7 @@ def test_the_effect_of_an_offset_does_not_depend_on_the_estimate(monkeypatch):
     stops: list[StopEstimate] = []
     for factor in (1.0, 1.1):
         changed = replace(evidence, health=factor * evidence.health, offset=factor * evidence.offset)
-        monkeypatch.setattr("railgrip.studies.fleet.evidence_of", lambda *_, found=changed: found)
+        monkeypatch.setattr("fleet_stops.evidence_of", lambda *_, found=changed: found)
         stops.append(stop_estimate(recording, temperature))
     np.testing.assert_allclose(stops[1].of_offsets, stops[0].of_offsets, rtol=1e-12)
 
@@ -200,6 +200,21 @@ def test_exchanges_correct_a_greedy_choice():
 
     assert criterion((CANDIDATES[0],)) > max(criterion((CANDIDATES[1],)), criterion((CANDIDATES[2],)))
     assert design(CANDIDATES[:3], 2, criterion) == in_order(CANDIDATES[1:3])
+
+
+def test_stops_needed_and_longer_stops_have_closed_answers(monkeypatch):
+    """Deviations that fall with the root of the number of stops, and distances of stops that are 40 m longer."""
+
+    def trains(releases, *_):
+        longer = 40.0 if releases != "none" else 0.0
+        distances = (100.0 + longer, 102.0 + longer)
+        return [TrainStops(estimates=(), distances=distances, pads=np.ones(4), radii=np.zeros(4))]
+
+    monkeypatch.setattr("fleet_stops.simulate", trains)
+    first = np.array([0.1, 0.2, 0.05, 0.5])
+    monkeypatch.setattr("fleet_stops.deviation_alone", lambda _, count: first / np.sqrt(count))
+    row = needed_row("each group in turn", 1, 20)
+    assert row == {"longer stop": 40.0, "group 1": 4, "group 2": 16, "group 3": 1, "group 4": None}
 
 
 def test_releases_may_overlap():
