@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from railgrip.base.errors import RecordError
-from railgrip.base.records import RECORD, adopt, claim, discard, require_free, require_own
+from railgrip.base.records import RECORD, adopt, claim, discard, make_folder, require_free, require_own
 
 SHORT = ("--set", "limits.horizon=2 s")
 ESTIMATION = Path(__file__).parents[1] / "harness/estimation/library/rig_own.toml"
@@ -23,6 +23,12 @@ COMMANDS = {
     "observability": (("observability", str(ESTIMATION)), ("observability.csv", "observability.png")),
     "export": (("export", "plain", "--library"), ("plain.h", "notes.txt")),
 }
+
+
+def test_a_folder_of_another_user_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda path, mode: False)  # root may write everywhere
+    with pytest.raises(RecordError, match=r"cannot be written there: no permission; make the folder writable, or name"):
+        make_folder(tmp_path)
 
 
 @pytest.mark.parametrize(("command", "name"), [(name, file) for name, (_, files) in COMMANDS.items() for file in files])

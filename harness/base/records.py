@@ -149,7 +149,9 @@ def make_folder(directory: Path, *files: str) -> None:
             f"{directory}: results cannot be written there: {problem.strerror}; name another folder by --out"
         ) from problem
     if not os.access(directory, os.W_OK):
-        raise RecordError(f"{directory}: results cannot be written there: no permission; name another folder by --out")
+        raise RecordError(
+            f"{directory}: results cannot be written there: no permission; make the folder writable, or name another"
+        )
     _refuse_folders(directory, files)
 
 

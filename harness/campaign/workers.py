@@ -10,10 +10,11 @@ import threading
 import time
 from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from contextvars import ContextVar
 from multiprocessing import resource_tracker
 from multiprocessing.context import SpawnContext
+from pathlib import Path
 from types import FrameType
 from typing import Any, Final, ParamSpec, TypeVar
 from urllib.parse import urlsplit
@@ -58,6 +59,7 @@ def workers(count: int, *, main: bool = True) -> Generator[Executor]:
         environment({FOLDER: str(folder / "activities")}),
         nullcontext() if main else _without_main(),
     ):
+        _start_tracker()
         context = _LastingLocks()
         pool = pebble.ProcessPool(count, initializer=_start_worker, context=context)
         try:
@@ -184,13 +186,28 @@ class _LastingLocks(SpawnContext):
         return self.locks[-1]
 
 
+def _start_tracker() -> None:
+    """Start Python's process that removes the locks of killed processes, without its warnings about them.
+
+    Otherwise the first worker would start it, which would lift the signal mask.
+    """
+    with (
+        suppress(OSError),
+        Path(os.devnull).open("w") as silent,
+        os.fdopen(os.dup(2), "w") as errors,
+    ):  # 2 may be closed
+        os.dup2(silent.fileno(), 2)
+        try:
+            resource_tracker.ensure_running()
+        finally:
+            os.dup2(errors.fileno(), 2)
+
+
 class _Pool(Executor):
     """Pebble's pool as an executor; its processes, and the threads that start them, ignore Ctrl-C."""
 
     def __init__(self, pool: pebble.ProcessPool) -> None:
         self._pool = pool
-        # Otherwise started by the first process, which would lift the signal mask.
-        resource_tracker.ensure_running()
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         # While a worker receives a task, the others wait, and end after a minute, and the pool with them. On a busy

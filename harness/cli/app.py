@@ -341,4 +341,6 @@ def group() -> None:
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line."""
+    # Without a writable home it reports where it keeps its list of fonts.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     answer(lambda: app(arguments, prog_name="railgrip"))

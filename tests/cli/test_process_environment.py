@@ -94,6 +94,12 @@ def test_a_file_size_limit_of_zero_is_reported_in_a_sentence(command: str, tmp_p
         assert "no temporary folder can be written" in done.stdout
 
 
+def test_a_home_that_is_not_writable_is_not_mentioned(tmp_path: Path) -> None:
+    """Nothing is kept there but a cache, which is in another folder; Matplotlib's is a temporary one."""
+    done = shell(f"{PROGRAM} train show vt642 --out train.svg", tmp_path, HOME="/dev/null", XDG_CONFIG_HOME="")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 @pytest.mark.parametrize("temporary", ["temporary", *(["./missing"] if FUZZ else [])])
 def test_relative_folders_get_no_temporary_files_and_their_programs_are_not_run(temporary: str, tmp_path: Path) -> None:
     """Relative and empty entries of PATH are both before and after the others."""

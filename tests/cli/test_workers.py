@@ -37,7 +37,7 @@ if __name__ == "__main__":
 @pytest.mark.skipif(not Path("/proc").exists(), reason="looks processes up in /proc")
 @pytest.mark.parametrize("tasks", [8, 0])
 def test_workers_end_when_their_parent_is_killed(program, tmp_path, tasks):
-    """They also remove the files that they unpacked, and print no tracebacks."""
+    """They also remove the files that they unpacked, and print nothing; nor does Python's tracker of semaphores."""
     (tmp_path / "program.py").write_text(PROGRAM.replace("TASKS", str(tasks)), encoding="utf-8")
     folder = tmp_path / "kept"
     folder.mkdir()
@@ -48,7 +48,7 @@ def test_workers_end_when_their_parent_is_killed(program, tmp_path, tasks):
     until(lambda: len(list(folder.iterdir())) == min(tasks, 2))
     parent.kill()
     _, err = parent.communicate(timeout=LONGEST)  # until the last worker has closed it
-    assert "Traceback" not in err
+    assert err == ""
     until(lambda: not any(map(is_running, children)) and list(folder.iterdir()) == [])
 
 
