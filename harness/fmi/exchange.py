@@ -224,7 +224,7 @@ class FmuPrediction:
             input_references=inputs, output_references=outputs, states=np.zeros(n), moved=np.zeros(n),
             inputs=np.zeros(inputs.size), ones=np.ones(n), by_state=self._jacobian(pattern, unknowns),
             of_output=self._jacobian(self._output_pattern, outputs), n_states=n, n_inputs=inputs.size,
-            n_outputs=outputs.size, **self._fields(instance),
+            n_outputs=outputs.size, nominal=self._nominal, **self._fields(instance),
         )  # fmt: skip
         self._plan, self._address = self._struct.pointer, self._struct.address
         functions = _functions()
@@ -238,16 +238,12 @@ class FmuPrediction:
 
     def _fields(self, instance: Instance) -> dict[str, Any]:
         """Return the fields of `Prediction` that depend on the interface."""
-        n = len(self.states)
         theirs = {name: place for place, name in enumerate(self._description.states)}
-        # Without states OpenModelica's FMUs still write to the first element.
-        nominal = self._read(instance, "fmi2GetNominalsOfContinuousStates") if n else np.zeros(0)
         return {
             "set_states": instance.address("fmi2SetContinuousStates"),
             "get_derivatives": instance.address("fmi2GetDerivatives"),
             "place_of_state": np.array([theirs[name] for name in self._symbols], dtype=np.longlong),
-            "derivatives": np.zeros(n),
-            "nominal": np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0),
+            "derivatives": np.zeros(len(self.states)),
             "relative_step": _RELATIVE_STEP,
         }
 
@@ -274,11 +270,6 @@ class FmuPrediction:
             ahead=np.zeros(buffer), behind=np.zeros(buffer), n_groups=len(groups), n_entries=len(entries),
         )  # fmt: skip
 
-    def _read(self, instance: Instance, call: str) -> Vector:
-        values = np.zeros(len(self.states))
-        instance.call(call, values.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), values.size, time=0.0)
-        return values[[self._description.states.index(name) for name in self._symbols]]
-
     @property
     def start(self) -> Vector:
         """Initial state of the FMU, shape (n,).
@@ -287,7 +278,10 @@ class FmuPrediction:
             PlantFailed: A value is not finite.
         """
         instance = self._open()
-        states = self._read(instance, "fmi2GetContinuousStates")
+        values = np.zeros(len(self.states))
+        address = values.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+        instance.call("fmi2GetContinuousStates", address, values.size, time=0.0)
+        states = values[[self._description.states.index(name) for name in self._symbols]]
         if (bad := np.flatnonzero(~np.isfinite(states))).size:
             doing = f"{self.states[bad[0]]} is {states[bad[0]]}"
             raise PlantFailed(instance.failure("not_finite", "fmi2GetContinuousStates", 0.0, doing=doing))

@@ -171,7 +171,7 @@ class SteppedFmuPrediction(FmuPrediction):
             power=np.zeros((n, n)) if exact else None, next_power=np.zeros((n, n)) if exact else None,
             period=self.period,
         )  # fmt: skip
-        return {"stepping": stepping, "nominal": self._nominal, "relative_step": _RELATIVE_STEP}
+        return {"stepping": stepping, "relative_step": _RELATIVE_STEP}
 
     def _rates(self, x: Vector, u: Vector) -> tuple[Callable[[Vector], Vector], Matrix]:
         if not self.has_directional_derivatives:

@@ -14,8 +14,7 @@
  *   64   values of states are ignored
  *   128  it refuses to save its state in initialisation mode (fmi-standard issue 367)
  *   256  one step of forward Euler
- *   512  its derivatives are those of the last step (they are zero before)
- *   1024 fmi2DoStep discards steps from a > 100                                                                     */
+ *   512  its derivatives are those of the last step (they are zero before)                                          */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,7 +51,6 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
     (void)no;
     const int parts = HAS(256) ? 1 : 10;
     if (M->mode != STEPPING) return fmi2Error;
-    if (HAS(1024) && M->v[0] > 100) return fmi2Discard;
     if (fabs(t - M->time) > 1e-9) return fmi2Warning;
     if (HAS(512)) derivatives(M, t, M->v, M->v + 3);
     if (HAS(16)) {

@@ -21,7 +21,7 @@ from tiny_fmu import (
     xml,
 )  # fmt: skip
 
-from railgrip.base.errors import EstimatorError, FilterDiverged, FmuError, PlantFailed
+from railgrip.base.errors import EstimatorError, FmuError
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.fmi import FmuPrediction, SteppedFmuPrediction, describe
 
@@ -156,17 +156,6 @@ def test_a_filter_has_the_period_of_its_prediction(foundry: Path):
     sentence = r"over 0.01 s, and .* period is 0.02 s; give"
     with prediction(stepped(foundry)) as model, pytest.raises(EstimatorError, match=sentence):
         CompiledFilter(model, np.ones(3), np.ones(2), 0.02)
-
-
-def test_a_failed_step_names_its_call(foundry: Path):
-    x, u = np.array([200.0, 0.0, 0.0]), np.zeros(2)
-    with prediction(stepped(foundry, 1024)) as model:
-        with pytest.raises(PlantFailed, match="fmi2DoStep"):
-            model.derivative(x, u)
-        step = CompiledFilter(model, np.ones(3), np.ones(2), PERIOD)
-        belief = step.start(x, np.ones(3))
-        with pytest.raises(FilterDiverged, match="fmi2DoStep"):
-            step.step(belief, u, np.zeros(2))
 
 
 def test_no_files_and_no_saved_states_are_left_behind(foundry: Path, scratch: Path):

@@ -131,12 +131,6 @@ def test_a_prediction_for_co_simulation_alone_needs_the_key(tmp_path: Path):
         run_stop(scenario_with(own(tmp_path)))
 
 
-def test_a_prediction_that_cannot_save_its_state_is_refused(tmp_path: Path):
-    file = own(tmp_path, ('canGetAndSetFMUstate="true"', ""))
-    with pytest.raises(FmuError, match="begins every step in a saved state, and this FMU has no canGetAndSetFMUstate"):
-        run_stop(scenario_with(file, STEPPED))
-
-
 HOSTILE = """
     static int steps = 0;
     const char *hostile = getenv("HOSTILE");
