@@ -119,13 +119,24 @@ def interface_of(recipe: Recipe, system: "System", digest: str) -> Entry:
     """Return the entry of an FMU in lock.toml.
 
     Keys: class; digest of C code and XML; states, inputs, outputs as name = unit; nonlinear_loops as lists of
-    their unknowns; parameters (public ones), event_indicators, time_events, clocks, discretes, assertions as counts.
+    their unknowns; parameters (public ones), event_indicators, time_events, clocks, discretes, assertions as counts;
+    compiled_in as name = value of the class's own Integer and Boolean parameters, which no parameter decides.
     """
     # CasADi takes half a second to import; recipes are read without it.
     from railgrip.fmus.native.code import groups_of
     from railgrip.fmus.native.equations import output_scalars
 
     groups = groups_of(system)
+    every = (s for scalars in system.variables.of_id.values() for s in scalars)
+    compiled_in = [
+        s
+        for s in every
+        if s.kind == "parameter"
+        and s.type != "real"
+        and "." not in s.name
+        and not s.protected
+        and s.binding.is_constant()
+    ]
     return {
         "class": recipe.class_name,
         "digest": digest,
@@ -139,6 +150,7 @@ def interface_of(recipe: Recipe, system: "System", digest: str) -> Entry:
         "states": _units(groups["states"]),
         "inputs": _units(groups["inputs"]),
         "outputs": _units(output_scalars(system)),
+        "compiled_in": {s.name: bool(s.start) if s.type == "boolean" else int(s.start) for s in compiled_in},
     }
 
 

@@ -145,7 +145,7 @@ def write(
         solver: See `code.c_sources`.
         tolerance: See `code.c_sources`.
         step: Suggested communication step [s].
-        files: C files that must be compiled; they are listed if `model.c` is not the only one.
+        files: C files that must be compiled.
     """
     groups = groups_of(system)
     w = Writer()
@@ -174,7 +174,7 @@ def write(
         experiment={"tolerance": repr(tolerance), "stepSize": repr(step)},
         rows=w.rows,
         structure=_structure(w, system, groups),
-        files=files if len(files) > 1 else (),
+        files=files,
     )
 
 

@@ -73,6 +73,13 @@ def _build_class(name: str, library: list[Path], compiler: Compiler, out: Path |
     file.parent.mkdir(parents=True, exist_ok=True)
     shutil.copyfile(artifact.path, file)
     say(f"{file}  {artifact.action} ({artifact.compiler})")
+    fixed = [f"{key} = {str(value).lower()}" for key, value in artifact.interface.get("compiled_in", {}).items()]
+    if fixed:
+        remark(
+            f"{file}: {', '.join(fixed)} cannot be set in the FMU, because sizes and equations may depend on what is "
+            f"not Real. For other values build a class that extends {name}, as in "
+            f"model Other extends {name}({fixed[0].partition(' ')[0]} = ...); end Other;"
+        )
 
 
 def _list() -> None:

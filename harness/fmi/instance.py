@@ -434,19 +434,22 @@ class Instance:
             for a in assignments:
                 getattr(fmu, f"set{a.carrier}")(a.references, a.values)
 
-    def enter_initialization(self, begin: float = 0.0, tolerance: float | None = None) -> None:
+    def enter_initialization(
+        self, begin: float = 0.0, tolerance: float | None = None, end: float | None = None
+    ) -> None:
         """Set up the experiment and enter initialisation mode at time `begin` [s].
 
         Args:
             begin: Time of the start.
             tolerance: Relative error that a slave of FMI 2.0 allows its solver; None leaves it to the slave.
+            end: Time of the FMU [s] after which it is not stepped; None if it is not known.
         """
         with _without_solver_lines(self.description), self.calling(begin) as fmu:
             if self.description.fmi == 2:
-                fmu.setupExperiment(tolerance=tolerance, startTime=begin)
+                fmu.setupExperiment(tolerance=tolerance, startTime=begin, stopTime=end)
                 fmu.enterInitializationMode()
             else:
-                fmu.enterInitializationMode(startTime=begin)
+                fmu.enterInitializationMode(startTime=begin, stopTime=end)
 
     def exit_initialization(self) -> None:
         """Leave initialisation mode."""

@@ -37,7 +37,7 @@ from railgrip.fmi.by_fmpy import loaded_plant
 from railgrip.fmi.description import Description
 from railgrip.fmi.instance import Values, limit_messages, unpack
 from railgrip.fmi.mapping import Binding
-from railgrip.fmi.plant import LoadedPlant, SteppedPlant
+from railgrip.fmi.plant import LoadedPlant, Span, SteppedPlant
 
 Request = Literal["open", "start", "step", "warnings"]
 _CODES: Final[dict[Request, int]] = {"open": 1, "start": 2, "step": 3, "warnings": 4}
@@ -181,7 +181,7 @@ class IsolatedCoSimulation(SteppedPlant):
         *,
         period: float,
         parameters: Values,
-        begin: float = 0.0,
+        span: Span = (0.0, None),
         limits: FmuLimits = FMU_LIMITS,
         table: str = "[vehicle]",
         notify: Callable[[str], None] = lambda sentence: None,
@@ -189,7 +189,7 @@ class IsolatedCoSimulation(SteppedPlant):
         """Check the arguments; no process is started before `with`.
 
         Args:
-            begin: Time of the FMU at the start [s].
+            span: See `Span`.
             notify: Called with a sentence for the user if the FMU crashes while it is terminated or freed.
             table: Table of the scenario with the key `trust`; for messages.
 
@@ -201,7 +201,8 @@ class IsolatedCoSimulation(SteppedPlant):
                 f"{description.file.name}: an FMU cannot run in a separate process on this system; "
                 f"set trust = true under {table} to load it into this one."
             )
-        super().__init__(description, binding, period, parameters, begin)
+        super().__init__(description, binding, period, parameters, span)
+        self._span = span
         self._limits = limits
         self._patience = limits.patience
         self._account = _SHARED.get() or _Account()
@@ -235,7 +236,7 @@ class IsolatedCoSimulation(SteppedPlant):
             self._line, self._life = ours, life
             stack.callback(self._end)
             self._receive(_READY)
-            options = {"period": self._period, "parameters": self._parameters, "begin": self._begins, "folder": folder}
+            options = {"period": self._period, "parameters": self._parameters, "span": self._span, "folder": folder}
             self._ask("open", pickle.dumps((self._description, self._binding, options)))
             self._stack = stack.pop_all()
         return self
@@ -424,14 +425,14 @@ def open_plant(
     parameters: Values,
     trusted: bool,
     notify: Callable[[str], None],
-    begin: float = 0.0,
+    span: Span = (0.0, None),
     limits: FmuLimits = FMU_LIMITS,
     table: str = "[vehicle]",
 ) -> LoadedPlant | IsolatedCoSimulation:
     """Return a plant to use in `with`: in this process if it is trusted, else in a separate one.
 
     Args:
-        begin: Time of the FMU at the start [s].
+        span: See `Span`.
         trusted: Whether it was built here, or the scenario declares trust. An FMU that can be instantiated only once in
             a process runs in a separate one all the same: a stop follows its trial runs, and other stops.
         notify: Called with a sentence for the user if the FMU is isolated; the caller displays it once.
@@ -445,7 +446,7 @@ def open_plant(
     interface = description.co_simulation or description.model_exchange
     is_once = interface is not None and interface.once and os.name == "posix"
     if trusted and not is_once:
-        return loaded_plant(description)(description, binding, period=period, parameters=parameters, begin=begin)
+        return loaded_plant(description)(description, binding, period=period, parameters=parameters, span=span)
     name = description.file.name
     notify(
         f"{name} can be instantiated only once in a process, and runs in a separate one in spite of "
@@ -455,7 +456,7 @@ def open_plant(
         f"stop; set trust = true under {table} to load it into this one, which is faster."
     )
     return IsolatedCoSimulation(
-        description, binding, period=period, parameters=parameters, begin=begin, limits=limits, table=table,
+        description, binding, period=period, parameters=parameters, span=span, limits=limits, table=table,
         notify=notify,
     )  # fmt: skip
 

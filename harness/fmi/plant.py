@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Generator
 from contextlib import ExitStack, contextmanager
 from functools import cache
-from math import isclose, isfinite
+from math import ceil, isclose, isfinite
 from pathlib import Path
 from types import TracebackType
 from typing import Any, ClassVar, Final, Self
@@ -24,6 +24,9 @@ from railgrip.fmi.instance import Instance, Values, Way, assignments, unpack
 from railgrip.fmi.mapping import Binding, Channel
 from railgrip.fmus.native.toolchain import kernel_library
 
+Span = tuple[float, float | None]
+"""Time of an FMU at the start, and the longest time from there that it is stepped, None if that is not known [s]."""
+
 SILENT_WARNING: Final = "the status of a call was a warning, without a message"
 
 
@@ -35,7 +38,7 @@ class SteppedPlant(ABC):
     """
 
     def __init__(
-        self, description: Description, binding: Binding, period: float, parameters: Values, begin: float
+        self, description: Description, binding: Binding, period: float, parameters: Values, span: Span
     ) -> None:
         """Check period [s] and parameters; see `LoadedPlant`.
 
@@ -60,7 +63,11 @@ class SteppedPlant(ABC):
             )
         self._description = description
         self._binding = binding
-        self._period, self._begins = period, begin
+        self._period, (self._begins, horizon) = period, span
+        self._ends: float | None = None
+        if horizon is not None:  # of the last whole step, as the FMU adds its begin and length
+            last = ceil(horizon / period * (1 - 1e-12)) - 1
+            self._ends = self._begins + last * period + period
         self._parameters = dict(parameters)
         self._assignments = assignments(description, parameters)
         self._stack = ExitStack()
@@ -103,7 +110,7 @@ class LoadedPlant(SteppedPlant):
         *,
         period: float,
         parameters: Values,
-        begin: float = 0.0,
+        span: Span = (0.0, None),
         folder: Path | None = None,
     ) -> None:
         """Check the arguments; nothing is loaded before `with`.
@@ -111,13 +118,13 @@ class LoadedPlant(SteppedPlant):
         Args:
             period: Communication step [s].
             parameters: Values by FMU variable, in the FMU's units.
-            begin: Time of the FMU at the start [s].
+            span: See `Span`.
             folder: Folder of the unpacked FMU; None unpacks it for the duration of the `with`.
 
         Raises:
             FmuError: A parameter is wrong or the period is not positive.
         """
-        super().__init__(description, binding, period, parameters, begin)
+        super().__init__(description, binding, period, parameters, span)
         self._folder = folder
         self._instance: Instance | None = None
         self._listened: Instance | None = None
@@ -170,7 +177,7 @@ class LoadedPlant(SteppedPlant):
         if np.shape(inputs) != (self._binding.inputs.size,):
             raise ValueError(f"the inputs are a vector of {self._binding.inputs.size}, got shape {np.shape(inputs)}")
         with self._remembering():
-            instance.enter_initialization(self._begins)
+            instance.enter_initialization(self._begins, end=self._ends)
             self._send(inputs)
             self._begin(instance)
             self.sample = 0

@@ -30,7 +30,15 @@ from railgrip.scenario.vehicle_table import (
 )
 from railgrip.simulate.loop.interfaces import LoopPlant
 from railgrip.simulate.named_models import is_trusted, parameters_of
-from railgrip.simulate.plant_trial import SignalCheck, TrialPlant, Trials, findings, order_findings, reacts
+from railgrip.simulate.plant_trial import (
+    LONGEST_TRIAL,
+    SignalCheck,
+    TrialPlant,
+    Trials,
+    findings,
+    order_findings,
+    reacts,
+)
 from railgrip.simulate.user_parts import NEEDED, CustomPlant
 from railgrip.simulate.vehicle_data import Opening, VehicleData
 from railgrip.trace.bound import Contact
@@ -120,7 +128,7 @@ def fmu_plant(stop: Opening) -> LoopPlant:
         description,
         binding,
         period=scenario.periods.communication,
-        begin=scenario.plant_begin,
+        span=(scenario.plant_begin, scenario.horizon),
         parameters=values if table.nudge is None else values | perturb_parameters(values, description, table.nudge),
         trusted=is_trusted(scenario),
         limits=scenario.limits.fmu,
@@ -131,7 +139,7 @@ def fmu_plant(stop: Opening) -> LoopPlant:
     if not isinstance(source, LibraryPlant) or (isinstance(source, TrainFile) and table.map):
         # The stop will report the failure.
         with suppress(PlantFailed):
-            quiet = partial(opening, notify=lambda sentence: None)
+            quiet = partial(opening, notify=lambda sentence: None, span=(scenario.plant_begin, LONGEST_TRIAL))
             _refuse_unfit(f"[vehicle.map] does not fit {description.file.name}", vehicle, quiet)
     key = (description.digest, scenario.actuation.kind, *values.items(), *vehicle.curves[0])
     if (

@@ -259,7 +259,7 @@ def open_controller(stop: Opening, estimates: Collection[str]) -> tuple[LoopCont
         period, limits = scenario.periods.controller, scenario.limits.fmu
         context = open_plant(
             description, binding, period=period, parameters=values, trusted=table.trust, notify=notify, limits=limits,
-            table="[controller]",
+            table="[controller]", span=(0.0, scenario.horizon),
         )  # fmt: skip
         with foreign_code(name) if table.trust else nullcontext(), context as fmu:
             yield ForeignController(fmu, binding, gives, description)

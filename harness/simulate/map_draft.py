@@ -21,7 +21,7 @@ from railgrip.simulate.bound_plant import plant_signals
 from railgrip.simulate.controller import controller_signals
 from railgrip.simulate.loop.plausible import slowing_of
 from railgrip.simulate.named_models import parameters_of
-from railgrip.simulate.plant_trial import SignalCheck, Trial, TrialPlant, Trials, findings
+from railgrip.simulate.plant_trial import LONGEST_TRIAL, SignalCheck, Trial, TrialPlant, Trials, findings
 from railgrip.simulate.vehicle_data import catalogue_brakes, catalogue_counts
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.parameters import (
@@ -294,7 +294,7 @@ def _run(
     )
     opening = partial(
         open_plant, description, binding, period=period, parameters=binding.translate({"start_speed": speed}),
-        trusted=False, notify=lambda sentence: None,
+        trusted=False, notify=lambda sentence: None, span=(0.0, LONGEST_TRIAL),
     )  # fmt: skip
     full = tuple(group.pressure_max for group in catalogue_brakes(formation.groups))
     release = (0.0,) * formation.groups

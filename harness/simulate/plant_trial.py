@@ -27,6 +27,8 @@ _COAST, _BRAKE = 0.5, 5.0  # s; a cylinder of a passenger train is full after 3 
 GOOD_RAIL = 0.4
 POOR_RAIL = 0.01
 """Friction for 0.1 m/s2, which is less than any full brake, and too large to be rounded to 0."""
+LONGEST_TRIAL = 20.0
+"""Time of the FMU that no trial exceeds [s]."""
 _CLOSE = 0.01  # m/s2; resolution of a speed in steps of 0.1 km/h, over 5 s
 _CURVE = {"curve_k_A": 1.0, "curve_k_S": 0.4, "curve_A": 0.4, "curve_B": 0.6}
 """Polach (2005), dry."""

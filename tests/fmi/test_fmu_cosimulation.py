@@ -217,6 +217,19 @@ def test_a_period_is_a_positive_time(foundry: Path, period: float):
         CoSimulation(description, tied(description), period=period, parameters={})
 
 
+def test_an_fmu_is_given_the_time_after_which_it_is_not_stepped(foundry: Path):
+    """In whole periods; without one it fails, as it does when it is stepped beyond."""
+    description = describe(tiny(foundry, "REQUIRES_END"))
+    with CoSimulation(description, tied(description), period=PERIOD, parameters={}, span=(2.0, 2.5 * PERIOD)) as plant:
+        plant.start(np.zeros(1))
+        for _ in range(3):
+            plant.step(np.zeros(1))
+        with pytest.raises(PlantFailed, match=r"after its end 2\.004"):
+            plant.step(np.zeros(1))
+    with opened(description.file) as plant, pytest.raises(PlantFailed, match="no stop time"):
+        plant.start(np.zeros(1))
+
+
 # --- leftovers ---------------------------------------------------------------------------------------------------
 
 

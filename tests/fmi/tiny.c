@@ -26,13 +26,14 @@
 #define WARNS_ALWAYS_OTHERWISE 15 /* in other words in each step */
 #define WARNS_SOMEBODY_ELSE 16    /* not the one who created it */
 #define WARNS_IN_COLOUR 17
+#define REQUIRES_END 18 /* a stop time, after which it is not stepped */
 
 #ifndef MISBEHAVIOUR
 #define MISBEHAVIOUR WELL
 #endif
 
 typedef struct {
-    double t, x, u, rate, gain;
+    double t, x, u, rate, gain, end;
     int steps, allowed, mode, broken;
 } State;
 
@@ -78,7 +79,11 @@ void fmi2FreeInstance(fmi2Component c) {
     m->call->freeMemory(m);
 }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real tol, fmi2Real t, fmi2Boolean sd, fmi2Real stop) {
-    (void)td; (void)tol; (void)sd; (void)stop; ((Tiny *)c)->s.t = t; return fmi2OK;
+    Tiny *m = c;
+    (void)td; (void)tol;
+    m->s.t = t; m->s.end = stop;
+    if (MISBEHAVIOUR == REQUIRES_END && !sd) { say(m, fmi2Error, "no stop time, begin", t); return fmi2Error; }
+    return fmi2OK;
 }
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     Tiny *m = c;
@@ -169,6 +174,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
     (void)no;
     /* To the last bit: a sum of a thousand steps would differ. */
     if (!strcmp(m->label, "strict") && t != s->steps * h) { say(m, fmi2Error, "called at the wrong time", t); s->broken = ERROR_STATUS; return fmi2Error; }
+    if (MISBEHAVIOUR == REQUIRES_END && t + h > s->end + 1e-12) { say(m, fmi2Error, "after its end", t + h); return fmi2Error; }
     s->steps++;
     if (s->steps > s->allowed) switch (MISBEHAVIOUR) {
         case ERROR_STATUS: say(m, fmi2Error, "the wheel came off at", t); s->broken = ERROR_STATUS; return fmi2Error;

@@ -1,8 +1,13 @@
 """Directional derivatives, FMU state, tunable parameters, and the contents of modelDescription.xml."""
 
+import xml.etree.ElementTree as ET
+
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
+
+from railgrip.fmus.native.package import HEADERS, platform_folder
+from railgrip.fmus.native.toolchain import binary
 
 
 @pytest.mark.parametrize("name", ["NonlinearLoop", "Mechanics", "Redeclared", "Elementary", "Matrices"])
@@ -167,3 +172,14 @@ def test_outputs_in_a_protected_part_are_no_outputs_of_the_fmu(feature, run):
     assert [unknown.variable.name for unknown in fmu.description.outputs] == ["y"]
     instance = run(fmu, "me")
     assert instance.get("y") == [2.0]
+
+
+def test_the_listed_sources_are_those_of_the_library(feature):
+    """A tool that compiles them, with the headers of FMI, has the same library."""
+    fmu = feature("Driven")
+    files = {file.name: file.read_text() for file in (fmu.folder / "sources").iterdir()}
+    (library,) = (fmu.folder / "binaries" / platform_folder()).iterdir()
+    root = ET.parse(fmu.folder / "modelDescription.xml").getroot()
+    for interface in ("CoSimulation", "ModelExchange"):
+        listed = [file.attrib["name"] for file in root.findall(f"{interface}/SourceFiles/File")]
+        assert library.read_bytes() == binary(files, library.stem, units=listed, include=[HEADERS], flags=("-O0",))

@@ -15,6 +15,7 @@ from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers.observation import Observation
 from railgrip.fmi import Port, bind, describe
+from railgrip.fmi.instance import Instance
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import pack
@@ -47,6 +48,20 @@ def with_fmu(name: str, folder, *overrides: str, law: tuple[str, ...] = ()):
 def plain_with(path, *overrides: str):
     """Return the plain scenario with a controller FMU."""
     return load(PLAIN, ["controller.kind=fmu", f"controller.file={path}", *SHORT, *overrides])
+
+
+def test_plant_and_controller_are_given_the_horizon(folder, monkeypatch):
+    ends, enter = {}, Instance.enter_initialization
+
+    def note(fmu, begin=0.0, tolerance=None, end=None):
+        ends[fmu.description.file.stem] = end
+        enter(fmu, begin, tolerance, end)
+
+    monkeypatch.setattr(Instance, "enter_initialization", note)
+    _, scenario = with_fmu("random-ideal-slip_two_state", folder, "controller.trust=true", "limits.horizon=0.2 s")
+    run_stop(scenario)
+    assert set(ends.values()) == {0.2}
+    assert len(ends) == 2
 
 
 @pytest.mark.parametrize(

@@ -144,6 +144,13 @@ def test_the_command_builds_one_class_into_a_file(tmp_path, monkeypatch, command
     assert (tmp_path / "here" / "Mine.fmu").is_file()
     assert "current" in command("build", *library, "Trolley.Vehicle").out
     assert (tmp_path / "Vehicle.fmu").is_file()
+    (tmp_path / "Sized.mo").write_text(
+        "model Sized parameter Integer n = 2; parameter Boolean p = n > 1; parameter Boolean q = true; "
+        "parameter Real k = if q then n else 1; Real x[n] = fill(k*time, n); end Sized;"
+    )
+    assert (
+        "Sized.fmu: n = 2, q = true cannot be set in the FMU" in command("build", "--library", "Sized.mo", "Sized").err
+    )
     for wrong, sentence in (
         (library, "--library is for one class"),
         (("--library", "Nowhere", "X"), "X: there is no Modelica library Nowhere"),

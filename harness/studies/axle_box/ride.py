@@ -207,7 +207,14 @@ def outputs_of_fmu(
     """
     rows = np.column_stack([samples[name] for name in binding.inputs.elements])
     context = open_plant(
-        description, binding, period=1 / rate, parameters={}, trusted=trusted, notify=notify, table="[estimator]"
+        description,
+        binding,
+        period=1 / rate,
+        parameters={},
+        trusted=trusted,
+        notify=notify,
+        table="[estimator]",
+        span=(0.0, len(rows) / rate),
     )
     with foreign_code(description.file.name) if trusted else nullcontext(), context as model:
         model.start(rows[0])
