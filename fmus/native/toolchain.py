@@ -203,10 +203,7 @@ def _archiver_of(compiler: Sequence[str]) -> tuple[str, ...]:
 
 def _compiler_for(target: Platform) -> Compiler:
     if importlib.util.find_spec("ziglang") is None:
-        raise CompilerMissing(
-            f"for {target.zig} the compiler of the Python package ziglang is needed; install it with "
-            f"{installation('compiler')}."
-        )
+        raise CompilerMissing(f"for {target.zig} ziglang is needed; install it with {installation('compiler')}.")
     # With a target, a query of its version would leave an object file in the current folder.
     zig = _probe(_ZIG)
     return replace(zig, command=(*zig.command, "-target", target.zig))

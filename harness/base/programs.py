@@ -40,19 +40,27 @@ _PRESENTATION: Final = frozenset(
 """Required packages that draw, write or organise, and do not affect numbers."""
 
 
-@cache
-def versions() -> dict[str, str]:
-    """Return the versions of Python, of its machine and C library, and of all packages that may affect numbers."""
-    # Those with a marker are extras and the C compiler of Windows, whose version is that of `_compilers` in
-    # railgrip.campaign.run.
-    names = [re.split(r"[^\w.-]", entry, maxsplit=1)[0] for entry in requires("railgrip") or () if ";" not in entry]
-    packages = {name: version(name) for name in ("railgrip", *names) if name not in _PRESENTATION}
-    machine = " ".join(filter(None, (platform.system(), platform.machine(), *platform.libc_ver())))
-    return {"python": platform.python_version(), "machine": machine} | packages
+def requirements(extra: str = "") -> dict[str, str]:
+    """Return the packages that railgrip requires, or those that an extra adds, as name → name and versions.
+
+    Without an extra the C compiler of Windows is left out, as are all that have a marker.
+    """
+    entries = (entry.partition(";") for entry in requires("railgrip") or ())
+    chosen = (package.strip() for package, _, marker in entries if (extra in marker if extra else not marker))
+    return {re.split(r"[^\w.-]", package, maxsplit=1)[0]: package for package in chosen}
 
 
 def installation(extra: str) -> str:
     """Return the command that installs the packages of an extra, wherever railgrip itself was installed from."""
-    entries = (entry.partition(";") for entry in requires("railgrip") or ())
-    names = [f"'{package.strip()}'" for package, _, marker in entries if extra in marker]
-    return f"`python -m pip install {' '.join(names)}`"
+    return f"`python -m pip install {' '.join(map(repr, requirements(extra).values()))}`"
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Return the versions of Python, of its machine and C library, and of all packages that may affect numbers.
+
+    The version of the C compiler is that of `_compilers` in railgrip.campaign.run.
+    """
+    packages = {name: version(name) for name in ("railgrip", *requirements()) if name not in _PRESENTATION}
+    machine = " ".join(filter(None, (platform.system(), platform.machine(), *platform.libc_ver())))
+    return {"python": platform.python_version(), "machine": machine} | packages

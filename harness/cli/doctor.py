@@ -5,7 +5,6 @@ Each check does its own imports, so that a broken package is reported like any o
 
 import csv
 import platform
-import re
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -20,7 +19,7 @@ import typer
 import railgrip
 from railgrip.base import cache
 from railgrip.base.errors import RailgripError
-from railgrip.base.programs import find_program
+from railgrip.base.programs import find_program, requirements
 from railgrip.base.registry import Role, installed_names
 from railgrip.report.console import complain, say, show_table
 from railgrip.report.table import ReportTable
@@ -73,16 +72,12 @@ def _findings_of(name: str, check: Callable[[], Iterator[CheckResult]]) -> list[
 def _versions() -> Iterator[CheckResult]:
     yield CheckResult("railgrip", f"{railgrip.__version__} in {Path(railgrip.__file__).parent}")
     yield CheckResult("Python", f"{platform.python_version()} on {platform.platform()}, {sys.executable}")
-    # Without extras, and without the compiler of Windows, which has a check of its own.
-    required = [requirement for requirement in distribution("railgrip").requires or () if ";" not in requirement]
     found: list[str] = []
-    for name in [re.split(r"[^A-Za-z0-9._-]", name, maxsplit=1)[0] for name in required]:
+    for name, requirement in requirements().items():
         try:
             found.append(f"{name} {version(name)}")
         except PackageNotFoundError:
-            yield CheckResult(
-                name, "is not installed", f"python -m pip install '{next(o for o in required if name in o)}'"
-            )
+            yield CheckResult(name, "is not installed", f"python -m pip install '{requirement}'")
     yield CheckResult("packages", ", ".join(found))
 
 

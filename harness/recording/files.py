@@ -157,10 +157,7 @@ def _library(path: Path, module: str, extra: str) -> Any:
     try:
         return import_module(module)
     except ModuleNotFoundError as problem:
-        raise EstimationError(
-            f"{path.name}: reading {extra} files takes {module.partition('.')[0]}; install it with "
-            f"{installation(extra)}."
-        ) from problem
+        raise EstimationError(f"{path.name}: to read {extra} files, first run {installation(extra)}.") from problem
 
 
 def _parquet(path: Path, columns: Sequence[str] | None) -> Columns:
