@@ -2,24 +2,27 @@
 
 from dataclasses import replace
 
+import given_truth
 import numpy as np
+import pandas as pd
 import pytest
-
-from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.studies.attribution import (
-    AS_IS,
+from given_truth import (
+    BOTH,
+    DECISIONS,
     ENTRANTS,
     LAW,
+    LAWS,
+    NO_VALVES,
+    NOTHING,
+    TRUE_STATE,
     distance_with,
-    gains_of,
-    gains_table,
-    informed_distance,
+    gains,
     losses,
     scenario_with,
-    table_of,
-    without_dead_time,
 )
-from railgrip.studies.type_test.entrants import campaign_of, train_of, training_cases
+
+from railgrip.simulate.vehicle_data import VehicleData
+from railgrip.studies.type_test.entrants import campaign_of, train_of
 from railgrip.studies.type_test.track_case import HEADLINES
 
 PATCHES = replace(HEADLINES[0], speed=8.0, faults=("radar stuck", "valve slow"))
@@ -35,78 +38,80 @@ def scenario():
 
 
 def test_faults_go_with_the_parts_that_are_replaced(scenario):
-    def faults(**given):
-        return [fault.part for fault in scenario_with(scenario, **given).faults]
-
-    assert faults(truth=False, ideal_actuation=False) == ["radar", "valve"]
-    assert faults(truth=True, ideal_actuation=False) == ["valve"]
-    assert faults(truth=False, ideal_actuation=True) == ["radar"]
-    assert scenario_with(scenario, truth=False, ideal_actuation=True).actuation.kind == "ideal"
+    faults = {given: [fault.part for fault in scenario_with(scenario, given).faults] for given in (NOTHING, TRUE_STATE)}
+    assert faults == {NOTHING: ["radar", "valve"], TRUE_STATE: ["valve"]}
+    ideal = scenario_with(scenario, NO_VALVES)
+    assert ([fault.part for fault in ideal.faults], ideal.actuation.kind) == (["radar"], "ideal")
 
 
 def test_a_law_that_is_given_the_truth_stops(scenario):
     # The law seeks by exact signals: the distance is near that of the stop with estimates.
-    informed, as_is = (distance_with((scenario, truth, True)) for truth in (True, False))
-    assert informed == pytest.approx(as_is, rel=0.2)
+    assert distance_with(scenario, BOTH) == pytest.approx(distance_with(scenario, NO_VALVES), rel=0.2)
 
 
 def test_the_parts_of_a_loss_add_up_to_it():
-    distances = np.array([[120.0, 110.0, 112.0, 104.0, 100.0], [102.0, 101.0, 101.0, 100.5, 100.0]])
-    parts = losses(distances)
-    assert parts["information"][0] == pytest.approx(0.07)
-    assert parts["actuation"][0] == pytest.approx(0.09)
-    assert sum(parts[name] for name in ("information", "actuation", "law")) == pytest.approx(parts["all"])
-    table = table_of(distances)
-    assert [row["largest"] for row in table.rows] == ["7.0 %", "9.0 %", "4.0 %", "20.0 %"]
+    columns = [NOTHING, NO_VALVES, TRUE_STATE, BOTH, "bound"]
+    parts = losses(
+        pd.DataFrame([[120.0, 110.0, 112.0, 104.0, 100.0], [102.0, 101.0, 101.0, 100.5, 100.0]], columns=columns)
+    )
+    assert parts.iloc[0].to_list() == pytest.approx([0.07, 0.09, 0.04, 0.2])
+    assert parts.drop(columns="all").sum(axis=1).to_list() == pytest.approx(parts["all"].to_list())
 
 
 def test_on_an_even_rail_the_adhesion_ahead_changes_nothing():
     even = scenario_of(replace(PATCHES, rail="even", faults=()))
-    assert informed_distance(even, "adhesion ahead") == pytest.approx(distance_with((even, False, False)), rel=1e-9)
+    assert distance_with(even, "adhesion ahead") == pytest.approx(distance_with(even, NOTHING), rel=1e-9)
 
 
-@pytest.mark.parametrize("knowledge", ["slip of the peak", "deep slip once compared"])
-def test_a_law_that_knows_the_rail_stops(knowledge):
+@pytest.mark.parametrize("given", ["slip of the peak", "deep slip once compared"])
+def test_a_law_that_knows_the_rail_stops(given):
     case = scenario_of(replace(HEADLINES[2], speed=8.0), "two_maxima")
-    assert informed_distance(case, knowledge) == pytest.approx(distance_with((case, False, False)), rel=0.3)
+    assert distance_with(case, given) == pytest.approx(distance_with(case, NOTHING), rel=0.3)
 
 
 def test_deep_slip_from_the_start_is_shorter_where_slip_cleans_the_rail():
     cleaned = replace(HEADLINES[2], speed=12.0)
-    assert informed_distance(scenario_of(cleaned, "two_maxima"), "deep slip") < distance_with(
-        (scenario_of(cleaned), False, False)
-    )
+    deep = distance_with(scenario_of(cleaned, "two_maxima"), "deep slip")
+    assert deep < distance_with(scenario_of(cleaned), NOTHING)
 
 
 def test_valves_without_dead_time_are_those_of_plant_and_law(scenario):
-    vehicle = VehicleData(without_dead_time(scenario))
+    vehicle = VehicleData(scenario_with(scenario, "valves without dead time"))
     for data in (vehicle.true, vehicle.nominal):
         assert data.valves["dead_fill"] == data.valves["dead_vent"] == 0.0
 
 
-def test_gains_are_means_over_the_cases_that_stop():
-    distances = {
-        LAW: {AS_IS: np.array([100.0, 100.0, 200.0]), "a piece": np.array([90.0, np.nan, 198.0])},
-        "another": {AS_IS: np.array([100.0, 50.0, 50.0]), "a piece": np.array([100.0, 50.0, 49.0])},
-    }
-    (row,) = gains_table(np.array([True, True, False]), distances).rows
-    assert row == {
-        "given": "a piece",
-        f"{LAW}, 2 cleaned rails": "−10.0 % (1 of 2 cases)",
-        f"{LAW}, 1 other rails": "−1.0 %",
-        "another, 2 cleaned rails": "+0.0 %",  # two cases have no interval
-        "another, 1 other rails": "−2.0 %",
-    }
+def test_gains_are_relative_to_each_law_and_the_true_decision_is_the_shorter_stop():
+    deep = {(LAWS[1], piece): [80.0, np.nan] for piece in DECISIONS}
+    distances = pd.DataFrame(
+        {(LAW, NOTHING): [100.0, 200.0], (LAW, "a piece"): [90.0, np.nan], (LAWS[1], NOTHING): [160.0, 50.0],
+         (LAWS[1], "a piece"): [200.0, 49.0], **deep}
+    ).rename_axis(columns=["law", "given"])  # fmt: skip
+    found = gains(distances)
+    assert found[LAW, "a piece"].to_list() == pytest.approx([-0.1, np.nan], nan_ok=True)
+    assert found[LAWS[1], "a piece"].to_list() == pytest.approx([0.25, -0.02])
+    for piece in DECISIONS:
+        assert found[LAW, f"{piece}, or not"].to_list() == pytest.approx([-0.2, 0.0])
+        assert found[LAWS[1], f"{piece}, or not"].to_list() == pytest.approx([-0.5, 3.0])
 
 
-def test_gains_have_all_training_cases_those_of_further_parts_included():
-    """A law that stops 10 % earlier with each piece of truth: the table has this for all rows and kinds of rails."""
+def test_rows_are_means_over_all_training_cases_those_of_further_parts_included(monkeypatch):
+    """Laws that stop 10 % earlier with each piece of the truth, and a bound at 80 m."""
 
-    class Stops:
-        def map(self, function, runs):
-            return [100.0 if piece == AS_IS else 90.0 for _, piece in runs]
+    def stops(training, names, given):
+        distances = {(LAW, NOTHING): 100.0, (LAWS[1], NOTHING): 100.0, ("ideal_bound", NOTHING): 80.0}
+        rows = [(case, law, piece, distances.get((law, piece), 90.0)) for case in names for law, piece in given]
+        frame = pd.DataFrame(rows, columns=["case", "law", "given", "distance"])
+        return frame.assign(rails=np.where(frame["case"] == names[0], "cleaned", "other"))
 
-    design = training_cases(16, 2)
-    assert len(design) > 16
-    rows = gains_of(Stops(), design).rows
-    assert {text for row in rows for column, text in row.items() if column != "given"} == {"−10.0 %"}
+    monkeypatch.setattr(given_truth, "_stops", stops)
+    rows = given_truth.gain_rows(16)
+    assert [row["change"] for row in rows] == pytest.approx([-0.1] * len(rows))
+    cases = {row["rails"]: row["cases"] for row in rows}
+    assert cases["cleaned"] == 1
+    assert sum(cases.values()) == len(given_truth.cases_of(16)) > 16
+    information, actuation, law, whole = given_truth.loss_rows(32)
+    assert (information["of"], information["stopped"]) == (12, 12)
+    assert information["mean over the bound"] == actuation["mean over the bound"] == pytest.approx(5 / 80)
+    assert law["largest"] == pytest.approx(10 / 80)
+    assert (law["share of the loss"], whole["share of the loss"]) == (pytest.approx(0.5), 1.0)
