@@ -144,8 +144,8 @@ tune-control: fmus  ## search the parameters of slip- and adhesion-based control
 type-test: fmus  ## all controllers in hundreds of cases that none was tuned on, build/type_test (an hour)
 	$(PROGRAM) study type_test $(OPTIONS)
 
-trains: $(READY)  ## trains of this project against published stops, UIC 540 and a trial of sanders, build/trains
-	$(PROGRAM) study trains $(OPTIONS)
+trains: $(READY)  ## trains of this project against published stops, UIC 540 and a trial of sanders, docs/studies/trains.md
+	$(RUN) tools pages trains $(OPTIONS)
 
 bench: fmus  ## speed, as medians and ratios in one run
 	$(PROGRAM) study bench $(OPTIONS)

@@ -1,12 +1,11 @@
 """Errors of the filters of the two-part train and their claimed deviations, under each load and each fault."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import railgrip as rg
-import railgrip.scenario
+from railgrip.base.registry import shelf
 from railgrip.estimation.judge import rms
 from railgrip.report.baseline import Finding, mean
 from railgrip.scenario.file import merge
@@ -21,7 +20,7 @@ FILTERS: dict[str, dict[str, Any]] = {
 }
 """Filters by their assumption on the load: nominal, uncertain, or estimated."""
 
-_SERVICE = read_toml(Path(railgrip.scenario.__file__).parent / "equipment" / "service.toml")
+_SERVICE = read_toml(shelf("equipment")["service"])
 
 
 def errors_of(scenario: str, load: float, fault: str, seed: int, filter: str) -> dict[str, float]:

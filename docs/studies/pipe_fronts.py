@@ -8,6 +8,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from train_stops import dry_scenario, filling_of
 
 import railgrip as rg
 from railgrip.base.cache import VARIABLE
@@ -27,7 +28,6 @@ from railgrip.scenario.load import read_toml
 from railgrip.simulate.named_models import plant_description
 from railgrip.simulate.run import run_stop
 from railgrip.studies.bench import plant_step
-from railgrip.studies.trains.stops import FULL_BRAKE, dry_scenario, filling_of
 
 LITRES = (0.0, 1.5, 3.0, 4.5)
 """Volume of the branch of each car [l]."""
@@ -38,6 +38,7 @@ _LENGTHS = np.array([19.5, *[26.4] * 10])
 _PRESSURE = 3.8e5
 FREIGHT, FREIGHT_SPEED, WAGONS = "freight_train", 100 / 3.6, (5, 10, 20, 40)
 """Train, initial speed [m/s], and numbers of wagons."""
+_FULL_BRAKE = {"pressure_command": 1e7, "mu0": 0.5}
 _PERIOD, _STEPS = 2e-3, 1500  # s; the valve opens after 1 s
 _FIRST = 0.05  # of the highest pressure, at which a cylinder has begun to fill
 
@@ -110,7 +111,7 @@ def freight_row(wagons: int) -> dict[str, float]:
             begin, start = sum(os.times()[:4]), perf_counter()  # the C compiler is a child
             plant = plant_description(scenario)
             processor, wall = sum(os.times()[:4]) - begin, perf_counter() - start
-        step = plant_step(plant, FULL_BRAKE, count=500, rounds=3)
+        step = plant_step(plant, _FULL_BRAKE, count=500, rounds=3)
         trace = run_stop(scenario).trace
     hand = by_hand(train, FREIGHT_SPEED)
     forces = {

@@ -1044,7 +1044,7 @@ def _require_names(table: str, names: Sequence[str], choice: Mapping[str, Table]
 
 
 NAMED = ("vt642", "emu387", "loco_coaches", "tram")
-"""Trains of this package whose stops docs/train_models.md compares."""
+"""Trains of this package whose stops docs/studies/trains.py compares."""
 
 
 def load_train(path: Path) -> Train:

@@ -186,7 +186,7 @@ def test_a_digest_has_all_studies_whose_code_a_study_runs():
     assert found.keys() == set(names())
     for study, imported in found.items():
         assert imported <= studies_used(study, folder), study
-    assert "trains" in found["benefit"]
+    assert "type_test" in found["stop_at_target"]
 
 
 @pytest.mark.parametrize(("changed", "moves"), table(__file__, "tables.toml")["sources"])

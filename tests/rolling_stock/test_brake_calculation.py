@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.text import Text
+from train_stops import dry_scenario
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
@@ -22,7 +23,6 @@ from railgrip.rolling_stock.schema import load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand, scattered_distances
 from railgrip.simulate.ideal import ideal_stop
 from railgrip.simulate.run import braking_distance
-from railgrip.studies.trains.stops import dry_scenario
 
 TRAINS = Path(__file__).parents[2] / "harness/scenario/trains"
 UNIT, WAGON = TRAINS / "two_car_unit.toml", TRAINS / "eanos_wagon.toml"

@@ -4,6 +4,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from train_stops import dry_scenario
 
 import railgrip
 from railgrip.base import cache
@@ -16,7 +17,6 @@ from railgrip.simulate.ideal import _Tracking
 from railgrip.simulate.named_models import is_trusted, plant_description
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.studies.trains.stops import dry_scenario
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle.signals import PLANT, SENT
 

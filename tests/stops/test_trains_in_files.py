@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from braked import dry
 from sampling import FUZZ
+from train_stops import filling_of
 
 import railgrip.scenario
 from railgrip import cli
@@ -21,7 +22,6 @@ from railgrip.simulate import named_models
 from railgrip.simulate.named_models import plant_description
 from railgrip.simulate.run import braking_distance, run_stop, trace_of
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.studies.trains.stops import filling_of
 from railgrip.vehicle.signals import PLANT
 
 TRAINS = Path(railgrip.scenario.__file__).parent / "trains"

@@ -11,6 +11,7 @@ import numpy as np
 from railgrip.base.arrays import Array, generator
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_text
+from railgrip.base.registry import shelf
 from railgrip.base.units import GRAVITY
 from railgrip.report.statistics import FEWEST_DRAWS
 from railgrip.rolling_stock.check import checked_train
@@ -23,7 +24,6 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.surface import Sander
 from railgrip.simulate.run import run_stop
 from railgrip.studies.benefit.line import LIBRARY, LineOfStudy, Measure, SeasonalRail
-from railgrip.studies.trains.stops import EQUIPMENT
 from railgrip.supervision.curve import Steps
 from railgrip.supervision.headway import Headway, headways
 from railgrip.supervision.model import BrakingModel
@@ -116,7 +116,7 @@ def scenario_for(variant: Variant, line: LineOfStudy, rail: SeasonalRail | None,
 
     Level and seed depend on rail and draw alone, so that all variants stop on the same rails.
     """
-    service = read_toml(EQUIPMENT / "service.toml")
+    service = read_toml(shelf("equipment")["service"])
     tables: dict[str, Any] = merge(read_toml(LIBRARY / "stop.toml"), {"sensors": service["sensors"]})
     tables = merge(tables, {"vehicle": {"train": variant.train.name}, "start": {"speed": speed}, "seed": draw})
     if rail is None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.stats.qmc import LatinHypercube
 from typer import Option
 
+from railgrip.base.registry import shelf
 from railgrip.campaign.searches import evolve, parameters_of
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
@@ -33,7 +34,6 @@ Frame = Any
 PAGE = Path("docs/stop_at_target.md")
 """Relative to the folder of the project, in which the command runs."""
 LIBRARY = Path(__file__).parent / "library"
-EQUIPMENT = Path(__file__).parents[2] / "scenario" / "equipment" / "service.toml"
 
 DRAWS, HEADLINE = 500, 3
 SETS, TRAINING = 16, 12
@@ -139,7 +139,7 @@ Case = tuple[str, Mapping[str, float], Draw, bool]
 
 @cache
 def _base() -> Mapping[str, Any]:
-    table = dict(read_toml(EQUIPMENT))
+    table = dict(read_toml(shelf("equipment")["service"]))
     del table["vehicle"]
     return merge(table, read_toml(LIBRARY / "stop.toml"))
 
