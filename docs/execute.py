@@ -30,7 +30,7 @@ TOPICS = {
     "Stops": ["one_stop", "slip_based_against_adhesion_based", "ideal_bound", "driver_demand", "energy"],
     "Rail": ["creep_curves", "friction_level", "leaf_patches", "slip_cleans", "sanding", "gradient", "random_draws"],
     "Controllers": ["own_controller", "thresholds", "sampling_period", "wheel_diameter", "sensor_fault"],
-    "Estimation": ["estimate_with_deviation", "consistency", "recording", "field_test", "lateral_wheelset"],
+    "Estimation": ["estimate_with_deviation", "consistency", "recording", "field_test"],
     "Trains and brakes": ["brake_pipe", "k_dry", "k_wet", "braking_curves"],
 }
 """Scripts of the gallery, by the headings of its index."""

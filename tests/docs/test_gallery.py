@@ -13,7 +13,7 @@ from sampling import FUZZ
 
 SCRIPTS = sorted((Path(__file__).parents[2] / "docs/gallery").glob("*.py"))
 LONG = {
-    *("brake_pipe", "k_dry", "own_controller", "friction_level", "random_draws", "thresholds", "lateral_wheelset"),
+    *("brake_pipe", "k_dry", "own_controller", "friction_level", "random_draws", "thresholds"),
     *("field_test", "wheel_diameter", "sampling_period", "sanding", "ideal_bound", "slip_cleans", "k_wet", "gradient"),
     "consistency",
 }
