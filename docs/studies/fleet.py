@@ -1,6 +1,7 @@
 # %% [markdown]
 # # What a fleet learns from many stops
 #
+# <!-- constants: docs/studies/fleet_stops.py -->
 # After how many stops are the pads of each group known to 5 %, and at which cost in metres?
 #
 # Pads and wheel radii are estimated jointly from all stops of simulated trains. A stop gives a Gaussian estimate; the

@@ -3,6 +3,7 @@
 #
 # Do the built-in trains stop in the distances of the hand calculation and of publications?
 #
+# <!-- constants: docs/studies/dry_stop.toml -->
 # Stops are emergency stops on a dry, level track with friction 0.5. The hand calculation has instantaneous forces by
 # steps of time (EN 14531-1), pads at nominal temperature and no slip. Data of the trains, each number with its source
 # or marked as an estimate, are in their files: `railgrip train show NAME`.
@@ -80,8 +81,8 @@ rg.table(pipes, seconds | {"front": "{:.0f} m/s"})
 #
 # <!-- constants: docs/studies/train_stops.py -->
 # The trial RSSB T1107 used two units of Class 387, 55 mph, a demand of 0.9 m/s², friction 0.02 without sand. One number
-# is fitted, the density of sand on the rail that closes 63 % of the gap to the friction with plenty of sand, to one
-# distance.
+# is fitted to one distance, the density of sand on the rail that closes all but 1/e of the gap to the friction with
+# plenty of sand.
 
 # %%
 trial = rg.evaluate(sander_rows, [{"fitted": "one fixed"}], "trains_sanders.csv")
