@@ -179,7 +179,7 @@ portable: $(DEV)  ## what may depend on the platform: installation, compiler, fi
 	$(PROGRAM) run trapezoid --out build/portable
 	RAILGRIP_LINK_WINDOWS=1 $(RUN) -m pytest $(TESTS)
 
-test-omc: TESTS := tests/fmus tests/stops
+test-omc: TESTS := tests/fmus tests/stops tests/test_suites.py
 test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }
 	$(RUN) -m pytest --numprocesses 2 --dist worksteal -m omc $(TESTS)

@@ -21,7 +21,7 @@ TOLERANCE = 1e-8
 """Tolerance of CVODE in a co-simulation FMU, which omc reads from the class, not from the importer of the FMU. The
 absolute error is this times the nominal value of a state, 1e5 for a pressure, 1e-3 for a deflection."""
 
-_REQUIRED = ("cmake", "make", "zip")
+REQUIRED = ("cmake", "make", "zip")
 """Programs that omc starts to compile and pack an FMU; on Windows it has its own."""
 
 _JOBS = 2
@@ -174,7 +174,7 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None, f
 
 def missing_programs() -> list[str]:
     """Return the programs that omc needs to build an FMU and that are not on the PATH."""
-    return [] if sys.platform == "win32" else [name for name in _REQUIRED if find_program(name) is None]
+    return [] if sys.platform == "win32" else [name for name in REQUIRED if find_program(name) is None]
 
 
 def _excerpt(text: str, log: Path) -> str:

@@ -2,12 +2,17 @@
 
 import csv
 import math
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import commands
+import compilers
 import pytest
 import suites
+
+from railgrip.base.errors import InputError
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the runner forks a process for each class")
 
@@ -60,6 +65,35 @@ def test_verdicts_on_a_compliance_library(library: Path, tmp_path: Path, capfd: 
     assert "5 legal: 3 right, 1 refused, 1 wrong" in capfd.readouterr().out
 
 
+@pytest.mark.omc
+@pytest.mark.skipif(shutil.which("omc") is None, reason="OpenModelica's omc is not on the PATH")
+def test_openmodelica_translates_legal_classes_only(library: Path, tmp_path: Path) -> None:
+    rows = run(tmp_path / "out.csv", "compliance", library, "--compiler", "openmodelica")
+    expected = dict.fromkeys(CLASSES, "translated") | dict.fromkeys(("Refused", "Illegal"), "refused")
+    assert {name: row["verdict"] for name, row in rows.items()} == expected | {"Accepted": "accepted"}
+
+
+def test_the_page_of_compilers_has_the_results_of_suites(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its durations are measured, which tests/cli/test_every_command.py does for the built-in compiler."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(compilers, "version_line", lambda: "OpenModelica 1")
+    monkeypatch.setattr(compilers, "durations", lambda compiler: {"build": f"1 s with {compiler}"})
+    verdicts = "True,right", "True,right", "True,refused", "False,refused", "False,refused"
+    (tmp_path / "omc-native.csv").write_text("\n".join(["legal,verdict", *verdicts]))
+    page = tmp_path / commands.COMPILERS
+    page.parent.mkdir(parents=True)
+    page.write_text("<!-- compilers: written by `python tools compilers --write` -->\n<!-- end -->\n")
+    monkeypatch.setattr(commands, "choose", lambda _: "native")
+    with pytest.raises(InputError, match=r"compilers\.md has both compilers, but OpenModelica's omc is not"):
+        commands.compilers(tmp_path, write=True)
+    monkeypatch.setattr(commands, "choose", lambda _: "openmodelica")
+    commands.compilers(tmp_path, write=True)
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in page.read_text().splitlines()]
+    assert ["OpenModelica's tests, 3 legal classes", "2 right, 1 refused, 0 wrong", ""] in rows
+    assert ["OpenModelica's tests, 2 illegal classes", "2 refused", ""] in rows
+    assert ["build", "1 s with native", "1 s with openmodelica"] in rows
+
+
 def test_the_arguments_of_each_assertion_are_found() -> None:
     text = 'assert(a(1, 2), "x, y"); // assert(b, "")\n assert({b,c}[1] > 0, "assert(d)", AssertionLevel.error);'
     found = [[text[a:b] for a, b in zip([begin, *ends], ends, strict=False)] for begin, ends in suites.assertions(text)]
@@ -68,21 +102,21 @@ def test_the_arguments_of_each_assertion_are_found() -> None:
 
 def test_values_of_a_script_of_openmodelica(tmp_path: Path) -> None:
     (tmp_path / "Decay.mo").write_text(
-        "model Decay Real x[2](start={1, 2}, each fixed=true); equation der(x) = -x; end Decay;"
+        "model Decay Real x[1, 2](start={{1, 2}}, each fixed=true); equation der(x) = -x; end Decay;"
     )
     for name, value in (("good", math.exp(-1)), ("bad", 0.4)):
         (tmp_path / name).mkdir()
         (tmp_path / name / "Decay.mo").write_text((tmp_path / "Decay.mo").read_text())
         (tmp_path / name / f"{name}.mos").write_text(
             '// status: correct\nloadFile("Decay.mo");\nsimulate(Decay, stopTime=1.0);\n'
-            "val(x[1], 1.0);\nval(x[2], {0.0, 1.0});\n"
+            "val(x[1,1], 1.0);\nval(x[1,2], {0.0, 1.0});\n"
             f"// Result:\n// true\n// record SimulationResult\n// end SimulationResult;\n// {value}\n"
             f"// {{2.0,{2 * math.exp(-1)}}}\n// endResult\n"
         )
     for name, verdict in (("good", "right"), ("bad", "wrong")):
         rows = run(tmp_path / "out.csv", "omc", tmp_path / name)
         assert rows["Decay"]["verdict"] == verdict
-    assert "x[1] at 1 s" in rows["Decay"]["detail"]
+    assert "x[1,1] at 1 s" in rows["Decay"]["detail"]
 
 
 def test_reference_results_of_a_library(tmp_path: Path) -> None:

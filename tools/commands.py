@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 
 import typer
 from calibration import calibrate as fit_levels
+from compilers import compare
 from conditioning import Refinement, campaign_of, conditioning_of, merged, repeats_of, with_refinement
 from fmu_survey import survey, survey_table
 from installed_sizes import sizes_table
@@ -36,7 +37,7 @@ from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
 from railgrip.cli.app import BASELINES, Fresh, ImportFrom, Workers, command_of, program
 from railgrip.cli.campaigns import run_campaigns
-from railgrip.fmus.build import choose
+from railgrip.fmus.build import Compiler, choose
 from railgrip.report.baseline import Baseline, load_baseline, write_baseline
 from railgrip.report.console import answer, progress, say, show_table
 from railgrip.report.results import read_results
@@ -61,6 +62,7 @@ from railgrip.studies.papers.table1 import SBC
 
 FOREIGN = Path("docs/foreign_fmus.md")
 INSTALL = Path("docs/how_to/install.md")
+COMPILERS = Path("docs/how_to/compilers.md")
 
 
 def validation(
@@ -76,20 +78,19 @@ def validation(
         for path in [baselines / f"{name}.toml" for name in TABLES]:
             found = read_results(openmodelica / path.stem)
             write_baseline(with_distances(_baseline_of_campaign(path), found), path)
-    path = baselines / f"{BASELINE}.toml"
-    accepted = _baseline_of_campaign(path)
-    figure, numbers = distances_figure(load_campaign(path.parent / str(accepted.campaign)), accepted)
-    say(str(save(figure, docs / FILE, numbers)))
-    compared: list[tuple[Campaign, Baseline]] = []
-    for name, (page, tables_of) in TABLES.items():
+    compared: dict[str, tuple[Campaign, Baseline]] = {}
+    for name in TABLES:
         path = baselines / f"{name}.toml"
         accepted = _baseline_of_campaign(path)
-        compared.append((load_campaign(path.parent / str(accepted.campaign)), accepted))
-        write_tables(docs / page, tables_of(*compared[-1]))
+        compared[name] = load_campaign(path.parent / str(accepted.campaign)), accepted
+    figure, numbers = distances_figure(*compared[BASELINE])
+    say(str(save(figure, docs / FILE, numbers)))
+    for name, (page, tables_of) in TABLES.items():
+        write_tables(docs / page, tables_of(*compared[name]))
         say(str(docs / page))
-    page = docs / CONVERGENCE
     campaigns = [load_campaign(shelf("campaigns")[name]) for name in CONVERGENCE_CAMPAIGNS]
-    write_tables(page, {"tolerances": tolerances_table(*campaigns), "compilers": compilers_table(*compared)})
+    shown = {"tolerances": tolerances_table(*campaigns), "compilers": compilers_table(*compared.values())}
+    write_tables(docs / CONVERGENCE, shown)
 
 
 def _baseline_of_campaign(path: Path) -> Baseline:
@@ -309,6 +310,24 @@ def sizes(write: Annotated[bool, typer.Option("--write", help=f"Write the table 
         write_tables(INSTALL, {"sizes": table})
 
 
+def compilers(
+    suites: Annotated[Path, typer.Option(help="Folder of the results of `make suites`.")] = Path("build/suites"),
+    write: Annotated[bool, typer.Option("--write", help=f"Write the table into {COMPILERS}.")] = False,
+) -> None:
+    """Measure what each compiler covers, takes and needs.
+
+    Without omc on the PATH only the built-in compiler is measured. Cells of suites without results are empty.
+    """
+    compilers: list[Compiler] = ["native", "openmodelica"] if choose("auto") == "openmodelica" else ["native"]
+    if write and len(compilers) == 1:
+        raise InputError(f"--write: {COMPILERS} has both compilers, but OpenModelica's omc is not on the PATH.")
+    with progress("compilers", "building and stepping plants"):
+        table = compare(suites, compilers)
+    show_table(table)
+    if write:
+        write_tables(COMPILERS, {"compilers": table})
+
+
 def pages(
     names: Annotated[list[str] | None, typer.Argument(metavar="NAME", help="Pages; all unless given.")] = None,
     anew: Annotated[bool, typer.Option("--anew", help="Run all cases again, and replace the stored tables.")] = False,
@@ -331,7 +350,7 @@ def pages(
 
 tools = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 tools.callback()(program)
-for each in (conditioning, discretisation, validation, calibrate, tune, fmus, sizes, pages):
+for each in (conditioning, discretisation, validation, calibrate, tune, fmus, sizes, compilers, pages):
     tools.command()(each)
 
 

@@ -19,6 +19,7 @@ per class with its verdict:
     no simulation  the FMU of a legal class ends with another error than an assertion, and says so
     crash          the compiler ends with a signal, or its message is internal text
     hang           a time limit ended it
+    translated     OpenModelica, if --compiler names it, makes C code of a legal class; it is not compiled
 
 With --control, the assertions of a right class are inverted, as warnings with numbers; an assertion that does not warn
 checks nothing. If the class with warnings does not run, each assertion is inverted in turn, and the class must fail.
@@ -35,6 +36,7 @@ import os
 import re
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -52,6 +54,7 @@ from railgrip.base.errors import InputError, RailgripError
 from railgrip.fmus.build import translate
 from railgrip.fmus.native import package
 from railgrip.fmus.native.library import library_of, name_of
+from railgrip.fmus.openmodelica import errors
 from railgrip.fmus.recipe import Recipe
 
 SECONDS = 60.0
@@ -234,8 +237,24 @@ def judge(case: SuiteCase, folder: Path) -> Verdict:
     return replace(outcome, verdict="accepted" if outcome.verdict in ("right", "no signal") else "fails")
 
 
-def judge_apart(case: SuiteCase, seconds: float) -> Verdict:
-    """Build and simulate a class in a copy of this process, which has all packages in memory, with a time limit."""
+def translated(case: SuiteCase, folder: Path) -> Verdict:
+    """Return whether OpenModelica translates a class."""
+    files = [one / "package.mo" if one.is_dir() else one for one in reversed(case.libraries)]
+    loads = " ".join(f'loadFile("{file.resolve()}");' for file in files)
+    script = f"{loads} getErrorString(); translateModel({case.class_name}); getErrorString();\n"
+    (folder / "run.mos").write_text(script, encoding="utf-8")
+    ran = subprocess.run(["omc", "-n=1", "run.mos"], cwd=folder, capture_output=True, check=False)
+    if (folder / f"{case.class_name}.c").exists():
+        return Verdict("translated" if case.legal else "accepted")
+    return Verdict("crash" if ran.returncode < 0 else "refused", "\n".join(errors(ran.stdout.decode(errors="replace"))))
+
+
+JUDGES = {"native": judge, "openmodelica": translated}
+"""Compiler → function that returns its verdict on a case; it may write into a folder."""
+
+
+def judge_apart(case: SuiteCase, seconds: float, compiler: str = "native") -> Verdict:
+    """Judge a class in a copy of this process, which has all packages in memory, with a time limit."""
     context = multiprocessing.get_context("fork")
     receiver, sender = context.Pipe(duplex=False)
     with tempfile.TemporaryDirectory() as name:
@@ -247,7 +266,7 @@ def judge_apart(case: SuiteCase, seconds: float) -> Verdict:
             os.dup2(output, 1)
             os.dup2(output, 2)
             tempfile.tempdir = name
-            sender.send(judge(case, folder))
+            sender.send(JUDGES[compiler](case, folder))
             sender.close()
             os._exit(0)
 
@@ -372,7 +391,7 @@ def script_case(script: Path) -> SuiteCase | None:
     files = [file for file in files if file.is_file()]
     if (status and status[1] != "correct") or len(runs) != 1 or not files or "loadModel" in commands:
         return None
-    call = rf"^\s*val\s*\(\s*([^;\n]+?)\s*,\s*({_NUMBER}|\{{[^}}]*\}})\s*[^)]*\)\s*;"
+    call = rf"^\s*val\s*\(\s*((?:[^;\n,\[]|\[[^]\n]*\])+?)\s*,\s*({_NUMBER}|\{{[^}}]*\}})\s*[^)]*\)\s*;"
     asked = re.findall(call, commands, re.MULTILINE)
     answers = result.rpartition("end SimulationResult;")[2]
     values = re.findall(rf"^//\s*({_NUMBER}|\{{[^}}]*\}})\s*$", answers, re.MULTILINE)
@@ -410,11 +429,8 @@ def reference(libraries: Sequence[Path], results: Path, only: str = "", most: in
         if len(tables) != 1 or not own or not re.search(only, ".".join(parts)):
             continue
         with tables[0].open(encoding="utf-8", newline="") as stream:
-            rows = [
-                [float(cell) for cell in row] for row in csv.reader(stream) if row and not row[0].startswith("time")
-            ]
-        with tables[0].open(encoding="utf-8", newline="") as stream:
-            header = next(csv.reader(stream))
+            header, *lines = [row for row in csv.reader(stream) if row]
+        rows = [[float(cell) for cell in row] for row in lines]
         wanted = [name.strip() for name in signals.read_text(encoding="utf-8").split("\n")]
         columns = [n for n, name in enumerate(header) if name in wanted and n]
         # Of instants with two rows, an event, and of more rows than necessary only some are compared.
@@ -456,7 +472,7 @@ def table(rows: Iterable[tuple[SuiteCase, Verdict]]) -> str:
     why = Counter(reason(o.detail) for c, o in rows if c.legal and o.verdict == "refused")
     lines += ["reasons of refusals of legal classes:", *(f"{count:5d}  {text}" for text, count in why.most_common())]
     for case, outcome in rows:
-        if outcome.verdict not in ("right", "refused", "accepted", "fails"):
+        if outcome.verdict not in ("right", "translated", "refused", "accepted", "fails"):
             lines.append(f"{outcome.verdict}: {case.class_name}: {' '.join(outcome.detail.split())[:200]}")
     return "\n".join(lines)
 
@@ -469,10 +485,11 @@ def main() -> None:
     parser.add_argument("--library", type=Path, action="append", default=[], help="for reference: the libraries")
     parser.add_argument("--only", default="", help="regular expression for the names of classes")
     parser.add_argument("--seconds", type=float, default=SECONDS, help="time limit of a class")
+    parser.add_argument("--compiler", choices=JUDGES, default="native", help="the built-in one, or OpenModelica's")
     parser.add_argument("--control", action="store_true", help="invert the assertions of right classes")
-    parser.add_argument("--out", type=Path, help="CSV file; build/suites/KIND.csv unless given")
+    parser.add_argument("--out", type=Path, help="CSV file; build/suites/KIND-COMPILER.csv unless given")
     given = parser.parse_args()
-    out = given.out or Path("build/suites", f"{given.kind}.csv")
+    out = given.out or Path("build/suites", f"{given.kind}-{given.compiler}.csv")
     out.parent.mkdir(parents=True, exist_ok=True)
     rows: list[tuple[SuiteCase, Verdict]] = []
     with tempfile.TemporaryDirectory() as scratch, out.open("w", encoding="utf-8", newline="") as stream:
@@ -487,7 +504,7 @@ def main() -> None:
             if not re.search(given.only, case.class_name):
                 continue
             began = time.perf_counter()
-            outcome = judge_apart(case, given.seconds)
+            outcome = judge_apart(case, given.seconds, given.compiler)
             if given.control and case.legal and outcome.verdict == "right" and given.kind == "compliance":
                 outcome = replace(outcome, detail=unchecked(case, given.seconds))
             rows.append((case, outcome))
