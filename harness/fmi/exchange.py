@@ -39,6 +39,10 @@ _CALLS: Final = MappingProxyType(
         "GETTING_DERIVATIVES": "fmi2GetDerivatives",
         "GETTING_OUTPUTS": "fmi2GetReal",
         "DIFFERENTIATING": "fmi2GetDirectionalDerivative",
+        "RESTORING": "fmi2SetFMUstate",
+        "INITIALISING": "fmi2ExitInitializationMode",
+        "STEPPING": "fmi2DoStep",
+        "GETTING_STATES": "fmi2GetReal",
     }
 )
 """The FMI call behind a return value of `prediction.c`, by its name in the header."""

@@ -11,7 +11,6 @@ from contextlib import ExitStack
 from functools import partial
 from math import isfinite
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, ClassVar, Final
 
 import numpy as np
@@ -41,20 +40,6 @@ _MARGIN: Final = 10 * TOLERANCE
 _STEPS: Final = 100
 """Steps without a restart in the check of an FMU."""
 
-_CALLS: Final = MappingProxyType(
-    {
-        "RESTORING": "fmi2SetFMUstate",
-        "SETTING_STATES": "fmi2SetReal",
-        "SETTING_INPUTS": "fmi2SetReal",
-        "INITIALISING": "fmi2ExitInitializationMode",
-        "STEPPING": "fmi2DoStep",
-        "GETTING_STATES": "fmi2GetReal",
-        "GETTING_OUTPUTS": "fmi2GetReal",
-        "DIFFERENTIATING": "fmi2GetDirectionalDerivative",
-    }
-)
-"""The FMI call behind a return value of `prediction.c`, by its name in the header."""
-
 
 class SteppedFmuPrediction(FmuPrediction):
     """Implements the Prediction protocol by a Co-Simulation FMU 2.0 in this process; used inside `with`.
@@ -67,7 +52,7 @@ class SteppedFmuPrediction(FmuPrediction):
         period: Period of a step [s].
     """
 
-    _calls: ClassVar[Mapping[str, str]] = _CALLS
+    _calls: ClassVar[Mapping[str, str]] = {**FmuPrediction._calls, "SETTING_STATES": "fmi2SetReal"}
 
     def __init__(
         self,
