@@ -10,6 +10,7 @@ import pytest
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.text import Text
 from train_stops import dry_scenario
+from wrong import change, table
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
@@ -225,38 +226,13 @@ def empty_eanos(wagon):
     return wagon
 
 
-def lever(**keys):
-    """Return the change to the empty wagon with a load valve that has these keys."""
-    return lambda tables: empty_eanos(tables)["load_valves"]["lever"].update(keys)
-
-
-def distributor(**keys):
-    """Return the change to a wagon with a distributor that has these keys."""
-    return lambda tables: tables.update(distributors={"G": {"estimated": True, **keys}})
-
-
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        (lambda t: t["blocks"]["composite"].update(law="composite_ll"), "blocks of the kind LL are not supported"),
-        (lambda t: t["brakes"]["block"].pop("block_count"), "needs blocks and block_count together"),
-        (lambda t: t["brakes"]["block"].update(pads="organic"), "[brakes.block] has pads and blocks, or neither"),
-        (lambda t: t["brakes"]["block"].update(blocks="iron"), "blocks names 'iron', which is not in [blocks]"),
-        (lambda t: t.pop("davis"), "needs one of [resistance] and [davis]"),
-        (lambda t: t["davis"].update(linear="7 N"), "[davis] linear is '7 N'"),
-        (lambda t: t["bogies"]["Y25"].update(build_up_delay=0.5, build_up_time=1), "needs [command] kind = 'electro"),
-        (lambda t: t["bogies"]["Y25"].update(build_up_delay=0.5), "needs build_up_delay and build_up_time together"),
-        (distributor(low_share=0.5), "has two stages, but no speed_up, speed_down, stage_time"),
-        (distributor(), "has no key that acts"),
-        (distributor(inshot=0.6), "inshot must be at most 0.5"),
-        (lever(empty_mass="20 t"), "no empty_mass with kind 'changeover'"),
-        (lever(kind="valve"), "needs empty_mass with kind 'valve'"),
-        (lever(kind="valve", empty_mass="60 t"), "empty_mass must be lower than full_mass"),
-        (lever(empty_share=1.2), "empty_share must be at most 1"),
-    ],
-)
-def test_contradictions_of_a_wagon_are_refused(wagon, change, sentence):
-    change(wagon)
+@pytest.mark.parametrize(("changes", "sentence"), table(__file__, "tables.toml")["contradictory_wagons"])
+def test_contradictions_of_a_wagon_are_refused(wagon, changes, sentence):
+    """A load valve is that of the empty wagon."""
+    if any(key.startswith("load_valves") for key in changes):
+        empty_eanos(wagon)
+    for place, value in changes.items():
+        change(wagon, place, value)
     with pytest.raises(ScenarioError, match=re.escape(sentence)):
         train_of(wagon, "wagon.toml")
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from wrong import change, table
 
 from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.check import findings, stops_by_hand
@@ -178,26 +179,12 @@ def test_the_trains_of_the_library_are_consistent(name):
         assert distance <= known if reference.limit else distance == pytest.approx(known, rel=0.03)
 
 
-@pytest.mark.parametrize(
-    ("change", "key", "words"),
-    [
-        (lambda t: t["cars"][0].update(axle_masses=["12 t"] * 4), "[cars[1]] mass", "but the axles carry 48 t"),
-        (lambda t: t["bogies"]["trailer"].update(frame_mass="30 t"), "[bogies.trailer] frame_mass", "33 t, but"),
-        (lambda t: t["cars"][0]["bogies"][0].update(at="0.5 m"), "[cars[1]] bogies", "are not under A"),
-        (lambda t: t["bogies"]["trailer"].update(axles=[0, 0.8]), "[bogies.trailer] axles", "mm touch where"),
-        (lambda t: t["brakes"]["disc"].update(spring_force="20 kN"), "[brakes.disc] spring_force", "holds the piston"),
-        (lambda t: t["brakes"]["disc"].update(friction_radius=0.5), "[brakes.disc] friction_radius", "beyond the"),
-        # The brakes of two cars are equal, and one car is three times as heavy.
-        (lambda t: (t["couplers"]["bar"].update(strength="10 kN"), t["cars"][0].update(mass="150 t")),
-         "[couplers.bar] strength", "but braking alone loads the coupler behind"),
-        (lambda t: t.update(reference=[{"speed": 33, "distance": 400, "limit": True, "source": "x"}]),
-         "[reference[1]] distance", "are allowed"),
-    ],
-)  # fmt: skip
-def test_an_inconsistency_is_reported_with_its_key(tables, change, key, words):
+@pytest.mark.parametrize(("changes", "key", "words"), table(__file__, "tables.toml")["inconsistent_trains"])
+def test_an_inconsistency_is_reported_with_its_key(tables, changes, key, words):
     tables["bogies"]["light"] = dict(tables["bogies"]["trailer"], units=[1])
     tables["cars"][1]["bogies"][0]["kind"] = "light"
-    change(tables)
+    for place, value in changes.items():
+        change(tables, place, value)
     wrong = [one for one in findings(train_of(tables, "ours.toml")) if one.wrong]
     assert [one.key for one in wrong] == [key]
     assert words in wrong[0].sentence
