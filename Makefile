@@ -98,6 +98,8 @@ conditioning-omc: $(READY)  ## add distances with FMUs of OpenModelica, which mu
 	$(RUN) tools conditioning harness/scenario/campaigns/table1.toml --repeats 3 $(OPTIONS)
 	$(RUN) tools conditioning harness/scenario/campaigns/table1.toml --repeats 8 --stops '*-adhesion_literal' $(OPTIONS)
 	$(RUN) tools conditioning harness/scenario/campaigns/adverse.toml --repeats 3 $(OPTIONS)
+	$(RUN) tools conditioning $(CONVERGENCE).toml $(NUDGED) --stops '*-detailed-*' $(OPTIONS)
+	$(RUN) tools conditioning $(CONVERGENCE)_trains.toml $(NUDGED) --stops '*-detailed-*' $(OPTIONS)
 
 discretisation: fmus  ## repeat the stops of the table with smaller communication steps (hours)
 	$(RUN) tools discretisation harness/scenario/campaigns/table1.toml --only steps $(OPTIONS)

@@ -24,6 +24,7 @@ from validation import (
     TABLES,
     compilers_table,
     distances_figure,
+    medians_table,
     steps_table,
     tolerances_table,
     with_distances,
@@ -89,8 +90,8 @@ def validation(
         write_tables(docs / page, tables_of(*compared[name]))
         say(str(docs / page))
     campaigns = [load_campaign(shelf("campaigns")[name]) for name in CONVERGENCE_CAMPAIGNS]
-    shown = {"tolerances": tolerances_table(*campaigns), "compilers": compilers_table(*compared.values())}
-    write_tables(docs / CONVERGENCE, shown)
+    write_tables(docs / CONVERGENCE, {"tolerances": tolerances_table(*campaigns), "medians": medians_table(*campaigns)})
+    write_tables(docs / CONVERGENCE, {"compilers": compilers_table(*compared.values())})
 
 
 def _baseline_of_campaign(path: Path) -> Baseline:

@@ -3,7 +3,7 @@
 import itertools
 import math
 import textwrap
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -226,14 +226,17 @@ def tolerances_table(*campaigns: Campaign) -> ReportTable:
     of errors is that of the plant's own tolerance; the last column is the range of all these stops. Stops without
     repeats at other tolerances are left out.
     """
-    rows = [
-        _errors_over_tolerance(stop, repeated)
-        for campaign in campaigns
-        for repeats in (read_conditioning(campaign.conditioning).stops if campaign.conditioning else {},)
-        for stop in campaign.stops
-        if (repeated := repeats.get(stop.name)) is not None and repeated.tolerances
-    ]
+    rows = [_errors_over_tolerance(stop, repeated) for stop, repeated in _repeated(campaigns, "tolerances")]
     return ReportTable(rows, {"tightest": "{:.2f} m"}, left=("stop",))
+
+
+def _repeated(campaigns: Iterable[Campaign], key: str) -> Iterator[tuple[PlannedStop, RepeatedDistances]]:
+    """Yield stops with their repeats, if these have distances under a key such as `tolerances`."""
+    for campaign in campaigns:
+        repeats = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
+        for stop in campaign.stops:
+            if (one := repeats.get(stop.name)) is not None and getattr(one, key):
+                yield stop, one
 
 
 def _errors_over_tolerance(stop: PlannedStop, repeated: RepeatedDistances) -> dict[str, Any]:
@@ -242,7 +245,7 @@ def _errors_over_tolerance(stop: PlannedStop, repeated: RepeatedDistances) -> di
     errors = {"as in the recipe": repeated.error_at(None)}
     errors |= {f"{tolerance:.0e}": repeated.error_at(tolerance) for tolerance in loose_to_tight[:-1]}
     return (
-        {"stop": ", ".join(name.replace("_", " ") for name in stop.variants.values())}
+        {"stop": _name_of(stop)}
         | {"tightest": float(np.median([d or math.inf for d in repeated.tolerances[loose_to_tight[-1]]]))}
         | {
             column: f"**{shown}**" if abs(error) > max(noise, _VISIBLE) else shown
@@ -297,15 +300,45 @@ def compilers_table(*accepted: tuple[Campaign, Baseline]) -> ReportTable:
             one = baseline.accepted.get(stop.name)
             if one is None or not one.compilers:
                 continue
-            (low, high), (lowest, highest) = one.ends, one.compilers["openmodelica"]
-            apart = (lowest - high if lowest > high else min(highest - low, 0.0)) / one.value
-            shown = text(100 * apart, "{:+.2f} %")
+            ours, others = one.ends, one.compilers["openmodelica"]
             rows.append(
-                {"stop": ", ".join(name.replace("_", " ") for name in stop.variants.values())}
-                | {"built-in compiler": _range_text(low, high), "OpenModelica": _range_text(lowest, highest)}
-                | {"difference": f"**{shown}**" if abs(apart) > ACROSS_COMPILERS else shown}
+                {"stop": _name_of(stop)}
+                | {"built-in compiler": _range_text(*ours), "OpenModelica": _range_text(*others)}
+                | {"difference": _apart(ours, others, one.value)}
             )
     return ReportTable(rows, left=("stop",))
+
+
+def medians_table(*campaigns: Campaign) -> ReportTable:
+    """Return the medians of repeated stops with the FMUs of both compilers, with their 95 % intervals.
+
+    A difference is that between the nearest ends of both intervals; above `ACROSS_COMPILERS` it is bold.
+    """
+    rows: list[dict[str, Any]] = []
+    for stop, repeated in _repeated(campaigns, "compilers"):
+        repeats = repeated.distances, repeated.compilers["openmodelica"]
+        distances = [[math.inf if one is None else one for one in each] for each in repeats]
+        intervals = [median_interval(each) or (min(each), max(each)) for each in distances]
+        shown = [
+            f"{np.median(each):.1f} m [{low:.1f}, {high:.1f}]"
+            for each, (low, high) in zip(distances, intervals, strict=True)
+        ]
+        rows.append(
+            {"stop": _name_of(stop), "built-in compiler": shown[0], "OpenModelica": shown[1]}
+            | {"difference": _apart(*intervals, repeated.median)}
+        )
+    return ReportTable(rows, left=("stop",))
+
+
+def _name_of(stop: PlannedStop) -> str:
+    return ", ".join(name.replace("_", " ") for name in stop.variants.values())
+
+
+def _apart(first: tuple[float, float], second: tuple[float, float], size: float) -> str:
+    """Return the gap between two ranges relative to a size, bold above `ACROSS_COMPILERS`."""
+    apart = (second[0] - first[1] if second[0] > first[1] else min(second[1] - first[0], 0.0)) / size
+    shown = text(100 * apart, "{:+.2f} %")
+    return f"**{shown}**" if abs(apart) > ACROSS_COMPILERS else shown
 
 
 def _range_text(low: float, high: float) -> str:

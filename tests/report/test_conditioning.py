@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conditioning import campaign_of, conditioning_of, merged, repeats_of, with_refinement
 from synthetic import stop_of
-from validation import tolerances_table
+from validation import medians_table, tolerances_table
 
 import railgrip.scenario
 from railgrip.base.errors import ScenarioError
@@ -219,12 +219,18 @@ def test_the_error_over_the_tolerance_is_against_the_tightest_one():
     assert repeated.error_at(None)[1] == pytest.approx(1.96 * np.sqrt(0.5 * np.pi * (4 / 3)) * np.sqrt(0.5) / 300.0)
 
 
-def test_the_table_of_tolerances_has_the_tightest_median_and_the_range_of_all_stops(tmp_path, write_campaign):
+def test_the_tables_of_tolerances_and_compilers_have_medians_and_ranges_of_all_stops(tmp_path, write_campaign):
     campaign = write_campaign(tmp_path, lambda stop: stop.name.startswith("trapezoid-ideal-"))
     tolerances = {1e-4: (312.0, None), 1e-6: (299.0, 300.0, 301.0)}
-    stop = RepeatedDistances(digest="d", distances=(303.0, 303.0), tolerances=tolerances)
+    others = {"openmodelica": tuple(305.0 + k for k in range(10))}
+    stop = RepeatedDistances(digest="d", distances=(303.0, 303.0), tolerances=tolerances, compilers=others)
     (tmp_path / "c.json").write_text(text_of(ConditioningFile(relative=1e-5, stops={campaign.stops[0].name: stop})))
-    (row,) = tolerances_table(replace(campaign, conditioning=tmp_path / "c.json")).rows
+    campaign = replace(campaign, conditioning=tmp_path / "c.json")
+    (row,) = medians_table(campaign).rows
+    # Of ten values the second and the second to last are the interval; two have none, but a range.
+    assert [row["built-in compiler"], row["OpenModelica"]] == ["303.0 m [303.0, 303.0]", "309.5 m [306.0, 313.0]"]
+    assert row["difference"] == "**+0.99 %**"
+    (row,) = tolerances_table(campaign).rows
     assert row["tightest"] == 300.0
     assert row["range"] == "299.0 – inf m"
     assert row["as in the recipe"].strip("*").startswith("+1.00 ± ")
