@@ -164,7 +164,7 @@ def test_a_tram_that_lifts_its_magnets_stops_at_its_target_without_a_radar():
 
 @pytest.mark.parametrize("kind", registry.modules(registry.FILTERS))
 def test_the_speed_does_not_drift_while_the_train_accelerates_and_the_radar_is_dead(kind):
-    """Traction of 50 kN accelerates the train at 0.6 m/s² for 4 s without a reading of the speed; sensors are ideal.
+    """Traction of 50 kN is on until 4 s, at 0.6 m/s², and then off, without a reading of the speed; sensors are ideal.
 
     A filter without the traction errs by 2 m/s; pads and adhesion that some filters assume take a part of 0.1 m/s.
     """
@@ -177,11 +177,11 @@ def accelerated(kind, faults=()):
     traction = {"force": "50 kN", "power": "500 kW", "rate": "100 kN/s"}
     changes = {
         "start": {"speed": "20 km/h"},
-        "demand": {"phases": [{"pressure": 0, "traction": traction, "until": {"time": "5 s"}}, {"pressure": "2 bar"}]},
+        "demand": {"phases": [{"pressure": 0, "traction": traction, "until": {"time": "4 s"}}, {"pressure": 0}]},
         "faults": faults,
         "estimator": {"kind": kind, "noise": "service"},
         "periods": dict.fromkeys(("communication", "estimator", "controller", "trace"), "10 ms"),
-        "limits": {"horizon": "5 s"},
+        "limits": {"horizon": "7 s"},
     }
     return load(Path("service_steps")).revised(changes)
 
