@@ -325,7 +325,7 @@ def medians_table(*campaigns: Campaign) -> ReportTable:
         ]
         rows.append(
             {"stop": _name_of(stop), "built-in compiler": shown[0], "OpenModelica": shown[1]}
-            | {"difference": _apart(*intervals, repeated.median)}
+            | {"difference": _apart(intervals[0], intervals[1], repeated.median)}
         )
     return ReportTable(rows, left=("stop",))
 
