@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import rumoca
 
@@ -38,7 +39,7 @@ from railgrip.fmus.native.library import (
     sources_digest,
     used_libraries,
 )
-from railgrip.fmus.native.names import Call
+from railgrip.fmus.native.names import Call, misread_values
 from railgrip.fmus.native.rewriting import rewrite
 from railgrip.fmus.native.stored_dae import VERSION, convert
 
@@ -60,12 +61,14 @@ class Dae:
         content: rumoca's checked DAE, see `stored_dae`.
         protected: Names of the variables that are protected, or are in a protected component.
         sources: Source id to (file name, text); spans are byte offsets into the text.
+        doubtful: Parameters that are misread unless they have their default, see `names.misread_values`.
     """
 
     class_name: str
     content: Node
     protected: frozenset[str]
     sources: Mapping[int, tuple[str, bytes]]
+    doubtful: list[tuple[str, float | None, str]] = field(default_factory=list[tuple[str, float | None, str]])
     _initial: dict[tuple[int, int], bool] = field(default_factory=dict[tuple[int, int], bool])
 
     @property
@@ -317,7 +320,8 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
             else:
                 model = _new_session(further).loads(read_text(path), model=class_name, filename=alias)
             stored = json.loads(model.to_json("dae", pretty=False))
-            flat = _first_object(model.to_json("flat", pretty=False), "variables")
+            flat_class = model.to_json("flat", pretty=False)
+            flat = _first_object(flat_class, "variables")
     except BaseException as error:
         is_panic = type(error).__name__ == "PanicException"  # of rumoca, no Exception, and nowhere to import from
         if not is_panic and not isinstance(error, rumoca.RumocaError | RuntimeError):
@@ -345,7 +349,7 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
         message = explain(cause if message.endswith("because resolve/parse failed") and cause else message)
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
         where = path if further is None else short(path, path, further)
-        is_limit = re.search("not supported|unsupported|could not be evaluated", message)
+        is_limit = re.search("supported|could not be evaluated|requires parameter|miscounted", message)
         kind = TranslationError if is_limit else InputError
         raise kind(f"{class_name} does not compile ({where}): {message}{hints}") from error
     if stored["schema_version"] != VERSION:
@@ -357,6 +361,9 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
     tree = read_tree(model, class_name, sources)
     protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
     dae = Dae(class_name=class_name, content=content, protected=protected, sources=sources)
+    key = "parameter_branch_selections"
+    selections = _first_object(flat_class, key) if f'"{key}":' in flat_class else []
+    dae.doubtful.extend(misread_values(tree, flat, selections))
     require_strict(tree, class_name, flat, dae.calls)
     outer = outer_variables(tree, flat)
     require_values(class_name, flat, sources, outer.keys(), complete=complete)
@@ -436,7 +443,7 @@ def _environment_of_rumoca() -> Generator[None]:
                     os.unsetenv(name)
 
 
-def _first_object(text: str, key: str) -> Node:
+def _first_object(text: str, key: str) -> Any:
     # Only the first object of that name is parsed; it is a small part of the text.
     name = f'"{key}":'
     return json.JSONDecoder().raw_decode(text, text.index(name) + len(name))[0]

@@ -4,7 +4,7 @@ Section numbers are those of the Modelica Language Specification, version 3.6.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice, pairwise
 from typing import Any
@@ -66,6 +66,66 @@ def misread_clauses(tree: Tree) -> Iterator[str]:
     for class_ in tree.every:
         if class_.kind != "function":
             yield from _Names(tree, class_).misread_clauses()
+
+
+def misread_values(
+    tree: Tree, flat: Mapping[str, Node], selections: Iterable[Node]
+) -> Iterator[tuple[str, float | None, str]]:
+    """Yield each parameter whose default rumoca takes in place of a value from an array, that default, and a sentence.
+
+    The default is None if its form does not give it.
+
+    Args:
+        tree: Declarations of the class and of those that it uses.
+        flat: Variables of the flat class by name.
+        selections: Selections of branches and ranges in the flat class, by their `references` to parameters.
+    """
+    sizes = (
+        path[-1].node["def_id"]
+        for class_ in tree.every
+        for node in class_.components.values()
+        for reference in references(node["shape_expr"])
+        if (path := tree.component_path(class_, reference.node))
+    )
+    sizing = set(sizes)
+    number = {
+        name: parts[-1]["def_id"] for name, v in flat.items() if (parts := (v.get("component_ref") or {}).get("parts"))
+    }
+    selecting = [(names[0], node) for node in selections for names in node["references"] if names[0] in number]
+    selecting += [(name, {"span": flat[name]["source_span"]}) for name, id_ in number.items() if id_ in sizing]
+    for name, node in selecting:
+        if _reads_array(flat[name]["binding"], flat, tree):
+            owner, component = tree.component_of_id.get(number[name], (None, ""))
+            declared = {} if owner is None else owner.components[component]["binding"] or {}
+            text = declared.get("Terminal", {}).get("token", {}).get("text", "")
+            default = {"true": 1.0, "false": 0.0}.get(text, float(text) if text.isdigit() else None)
+            sentence = (
+                f"{name} decides equations or sizes, and the built-in compiler would take its default in place of a "
+                "value that is computed from an array (4.5); give a number, a scalar parameter, or a list of these"
+            )
+            yield name, default, tree.locate(node, sentence)
+
+
+def _reads_array(value: Any, flat: Mapping[str, Node], tree: Tree) -> bool:
+    # Whether an expression of the flat class, or the value of a parameter in it, has an array other than in size().
+    if isinstance(value, list):
+        return any(_reads_array(part, flat, tree) for part in value)
+    if not isinstance(value, dict) or value.get("function") == "Size":
+        return False
+    # A literal may be in place of an element of a constant, and an array in place of a constant.
+    if "Literal" in value:
+        span = value["Literal"].get("span")
+        return span is not None and re.match(r"[A-Za-z_][\w.]*\s*\[", tree.text_of(span)) is not None
+    if "span" in value.get("Array", ()):
+        span = value["Array"]["span"]
+        is_constructor = tree.text(span | {"start": 0, "end": span["start"]}).rstrip().endswith(("{", "["))
+        is_constant = re.match("[A-Za-z_]", tree.text_of(span)) and not is_constructor
+        return bool(is_constant) or _reads_array(value["Array"]["elements"], flat, tree)
+    if "VarRef" in value:
+        reference = value["VarRef"]
+        variable = flat.get(reference["name"]["name"], {"dims": (), "binding": None})
+        return bool(reference["subscripts"] or variable["dims"]) or _reads_array(variable["binding"], flat, tree)
+    return any(_reads_array(part, flat, tree) for key, part in value.items() if key != "span")
 
 
 @dataclass(frozen=True, slots=True)

@@ -285,12 +285,16 @@ class IndexOne:
         unknowns: Unknowns to solve for, as many as `equations`.
         states: Pairs of a state and its derivative; a state may be the derivative of a former one.
         former_states: Names of states that became algebraic unknowns.
+        constraints: Equations of the model that were differentiated.
+        index: Differential index of the model: the largest number of differentiations of an equation, and one.
     """
 
     equations: list[Equation]
     unknowns: list[SX]
     states: list[tuple[SX, SX]]
     former_states: frozenset[str]
+    constraints: tuple[Equation, ...] = ()
+    index: int = 1
 
 
 def reduce_index(
@@ -343,6 +347,8 @@ def reduce_index(
         unknowns=[symbols[v] for v in sorted(unknown_places)],
         states=[(symbols[v], symbols[derivative_of[v]]) for v in state_places],
         former_states=frozenset(symbols[i].name() for i in range(n) if i in unknown_places),
+        constraints=tuple(e for q, e in enumerate(equations) if q in system.derivative_of_equation),
+        index=1 + max(map(system.differentiations, range(len(equations))), default=0),
     )
 
 
@@ -398,6 +404,11 @@ class _Pantelides:
             e = self.derivative_of_equation[e]
         where = self.equations[first].where
         raise TranslationError(f"{where}: {self.owner}: singular: differentiating this equation does not help.")
+
+    def differentiations(self, equation: int) -> int:
+        """Return how often an equation was differentiated."""
+        following = self.derivative_of_equation.get(equation)
+        return 0 if following is None else 1 + self.differentiations(following)
 
     def _highest(self, equation: int) -> list[int]:
         return sorted(v for v in self.contains[equation] if v not in self.derivative_of)

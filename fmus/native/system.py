@@ -12,6 +12,7 @@ from railgrip.fmus.native.arrays import SX, Array, as_sx, choose, is_number
 from railgrip.fmus.native.conditions import EventConditions, Relations, TimeEvents, find_relations, includes_initial
 from railgrip.fmus.native.dae import Dae, Node
 from railgrip.fmus.native.expressions import ExpressionBuilder
+from railgrip.fmus.native.language import refuse
 from railgrip.fmus.native.structure import RELUCTANCE, Equation, IndexOne, Loops, reduce_index, solve
 from railgrip.fmus.native.variables import ModelVariables, Scalar, declare, settle, vector
 
@@ -144,6 +145,9 @@ def explicit(dae: Dae) -> System:
     of_id, symbols = declare(dae)
     evaluate = ExpressionBuilder(dae, symbols, time)
     v = settle(dae, of_id, symbols, evaluate)
+    values = {s.name: s.start for scalars in of_id.values() for s in scalars}
+    misread = (sentence for name, default, sentence in dae.doubtful if values.get(name) != default)
+    refuse(f"{dae.class_name} has Modelica that the built-in compiler does not translate", misread)
     evaluate.know(v.numbers())
     with evaluate.for_relations():
         relations = find_relations(dae, evaluate, v.with_numbers)
@@ -169,6 +173,7 @@ def explicit(dae: Dae) -> System:
     )  # fmt: skip
     states, algebraics = _split_states(v, index_one.states, index_one.former_states)
     _require_state_select(dae, states, algebraics)
+    _require_solvable(dae, v, index_one, [*states, *algebraics])
     started = frozenset(s.symbol.name() for s in algebraics if s.start != 0)
     loops, start_loops = Loops(started), Loops(started)
     derivative, algebraic, indicators, steps = solve(
@@ -353,6 +358,44 @@ def _require_state_select(dae: Dae, states: list[Scalar], algebraics: list[Scala
                 raise dae.refuse(
                     f"{s.name}(stateSelect=StateSelect.{forbidden.lower()}) {what} (4.9.7.1)", s.provenance
                 )
+
+
+def _require_solvable(dae: Dae, v: ModelVariables, index_one: IndexOne, unknowns: list[Scalar]) -> None:
+    # States are chosen once, at the build. Where an equation between states is nonlinear, such as that of a pendulum in
+    # Cartesian coordinates, another choice may be necessary, at least at the start values.
+    former = [s for s in unknowns if s.kind == "algebraic"]
+    columns = column([vector(former), *v.derivatives])
+    residuals = column([e.residual for e in index_one.constraints])
+    matrix = ca.jacobian(residuals, columns)
+    if not index_one.constraints or not ca.depends_on(matrix, vector(unknowns)):
+        return
+    parameters = {s.symbol.name() for s in (*v.free, *v.dependent)}
+    rows = [
+        {s.name().removeprefix("der(").removesuffix(")") for s in ca.symvar(e.residual)} - parameters
+        for e in index_one.constraints
+    ]
+    group = set[str]().union(*(r for i, r in enumerate(rows) if ca.depends_on(matrix[i, :], vector(unknowns))))
+    for _ in rows:  # with the equations that are connected to nonlinear ones
+        group = group.union(*(r for r in rows if r & group))
+    kept = [s for s in v.states if s.kind == "state" and s.symbol.name() in group]
+    values = {s.symbol.name(): SX(s.start) for s in (*unknowns, *v.free)}
+    values |= {s.symbol.name(): value for s, value in zip(v.dependent, v.dependent_values, strict=True)}
+    for _ in range(2):  # dependent parameters first
+        symbols = [s for s in ca.symvar(matrix) if s.name() in values]
+        matrix = ca.substitute(matrix, column(symbols), column([values[s.name()] for s in symbols]))
+    demoted = ", ".join(s.name for s in former if s.name in index_one.former_states)
+    if not ca.symvar(matrix) and np.linalg.matrix_rank(ca.DM(matrix).full()) < len(index_one.constraints):
+        problem = f"cannot be solved for {demoted} at the start values"
+    elif any(not s.fixed and RELUCTANCE[s.attributes["state_select"]] <= 1 for s in kept):
+        problem = f"does not say which variables are the states, {', '.join(s.name for s in kept)} or {demoted}"
+    else:
+        return
+    where = index_one.constraints[-1].where
+    raise TranslationError(
+        f"{where}: {dae.class_name}: the index of the class is {index_one.index}: this equation must be differentiated "
+        f"to find the states, is not linear, and {problem}. Use independent coordinates, such as the angle of a "
+        "pendulum, or give fixed = true to states for which the equations can be solved for the others all the time."
+    )
 
 
 def _refuse_unsupported(dae: Dae) -> None:

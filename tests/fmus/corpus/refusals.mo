@@ -585,3 +585,68 @@ equation
  der(x) = -x;
  when Clock(0.1) then y = sample(x); end when;
 end M;
+
+// braked decides equations or sizes.*take its default (.|\n)*c.braked; if braked
+package P
+ model Car parameter Boolean braked = true; Real f;
+ equation
+  if braked then f = time; else f = 0; end if;
+ end Car;
+ model Train parameter Boolean b[2]; Car car[2](braked = b); end Train;
+ model M
+  Train train(b = {false, true});
+  parameter Integer n[2] = {1, 2};
+  Car car[2](braked = {n[i] > 1 for i in 1:2});
+  Car c(braked = max(n) > 2);
+ end M;
+end P;
+
+// c.n decides equations or sizes; n
+package P
+ model Car
+  parameter Integer n = 1; Real z[n];
+ equation
+  for i in 1:n loop z[i] = time; end for;
+ end Car;
+ model M parameter Integer k[2] = {2, 1}; Car c(n = k[1]); end M;
+end P;
+
+// 2 equations for 4 unknowns .*miscounted.*computed from an array;
+package P
+ constant Integer k[2] = {0, 1};
+ model Car
+  parameter Integer n = 1;
+  Real z[n];
+  Real y;
+ equation
+  z = fill(time, n);
+  for i in 1:n loop y = time; end for;
+ end Car;
+ model M Car c(n = k[2] + 1); Real x; end M;
+end P;
+
+// the condition of the component b has no value at build time;
+package P connector C Real e; flow Real f; end C; model B C c; equation c.f = 1; end B;
+ model D C c; equation c.e = time*c.f; end D;
+ model Car parameter Boolean braked = true; D d;
+  B b if braked;
+ equation
+  connect(b.c, d.c); end Car;
+ model M parameter Boolean k[2] = {false, true}; Car c(braked = k[1]); end M; end P;
+
+// the index of the class is 3: .* cannot be solved for y, vy at the start; x^2
+model M
+ Real x(start=1, fixed=true), y(start=0), vx(start=0, fixed=true), vy, f;
+equation
+ der(x) = vx; der(y) = vy; der(vx) = -f*x; der(vy) = -f*y - 9.81;
+ x^2 + y^2 = 1;
+end M;
+
+// the index of the class is 3: .* does not say which variables are the states; x^2
+model M
+ parameter Real L = 1;
+ Real x(start=0.8*L), y(start=-0.6*L), vx, vy, f;
+equation
+ der(x) = vx; der(y) = vy; der(vx) = -f*x; der(vy) = -f*y - 9.81;
+ x^2 + y^2 = L^2;
+end M;
