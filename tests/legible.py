@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
 
@@ -58,17 +59,54 @@ addEventListener("load", async () => {
 </script>"""
 
 
+def command_for(page, folder, *options):
+    """Return the command that opens a page in a browser; the folder is for its profile."""
+    return [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--hide-scrollbars",
+            "--disable-background-networking", "--allow-file-access-from-files",
+            f"--user-data-dir={folder / 'profile'}", *options, page.resolve().as_uri()]  # fmt: skip
+
+
 def browse(page, folder, *options):
     """Return the output of a browser for a page; the folder is for its profile."""
-    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--hide-scrollbars",
-               "--disable-background-networking", "--allow-file-access-from-files", "--virtual-time-budget=20000",
-               f"--user-data-dir={folder / 'profile'}", *options, page.resolve().as_uri()]  # fmt: skip
+    command = command_for(page, folder, "--virtual-time-budget=20000", *options)
     return subprocess.run(command, check=True, capture_output=True, timeout=300, encoding="utf-8").stdout
 
 
 def title_of(page, folder, *options):
     """Return the title of a page after its scripts have run."""
     return re.search(r"<title>(.*?)</title>", browse(page, folder, "--dump-dom", *options), re.DOTALL).group(1)
+
+
+_FORWARD = """<iframe src="posting.html" style="width:100%;height:900px"></iframe><script>
+addEventListener("message", ({{ data: body }}) =>
+  fetch("http://127.0.0.1:{port}", {{ method: "POST", mode: "no-cors", body }}));
+</script>"""
+
+
+def posted_by(text, folder):
+    """Return the text that a page posts to its parent, in real time, which workers need."""
+    (folder / "posting.html").write_text(text, encoding="utf-8")
+    bodies = []
+
+    class Receiver(BaseHTTPRequestHandler):
+        def do_POST(self):
+            bodies.append(self.rfile.read(int(self.headers["Content-Length"])).decode())
+            self.send_response(204)
+            self.end_headers()
+
+        def log_message(self, *args):
+            pass
+
+    with HTTPServer(("127.0.0.1", 0), Receiver) as server:
+        server.timeout = 600.0
+        (folder / "outer.html").write_text(_FORWARD.format(port=server.server_port), encoding="utf-8")
+        browser = subprocess.Popen(command_for(folder / "outer.html", folder), stderr=subprocess.DEVNULL)
+        try:
+            server.handle_request()
+        finally:
+            browser.terminate()
+            browser.wait()
+    return bodies[0]
 
 
 _COLLECT = """<script>

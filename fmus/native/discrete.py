@@ -324,16 +324,8 @@ def memory_in_c(root: Struct, headers: Iterable[str]) -> str:
         root: The struct; arrays that it points to contain numbers.
         headers: Texts of the headers that declare its type and the types of its fields.
     """
-    regions = [*_regions(root, set())]
+    regions, links = _linked(root)
     constants = _constants(headers)
-    # A pointer: its region, word and field, and the region that it points into with the offset there [bytes].
-    links = [
-        (number, word, field, target, int(region.words[word]) - regions[target].address)
-        for number, region in enumerate(regions)
-        for word, field in region.pointers.items()
-        for target, other in enumerate(regions)
-        if 0 <= int(region.words[word]) - other.address < WORD * other.words.size
-    ]
     changing = {0} | {target for _, _, field, target, _ in links if field not in constants}
     places, tables, words = dict[int, str](), list[str](), list[NDArray[np.uint64]]()
     for number, region in enumerate(regions):
@@ -349,6 +341,50 @@ def memory_in_c(root: Struct, headers: Iterable[str]) -> str:
         for number, word, _, target, offset in links
     ]
     return "\n".join([*tables, *_write_words(np.concatenate(words)), _POINTING, *lines, "}", ""])
+
+
+def _linked(root: Struct) -> tuple[list[_Region], list[tuple[int, int, str, int, int]]]:
+    """Return the regions of a struct, and its pointers: region, word, field, and target with the offset there [bytes].
+
+    Pointers to functions, and to memory that no field of a struct was set to, have no target and are left out.
+    """
+    regions = [*_regions(root, set())]
+    return regions, [
+        (number, word, field, target, int(region.words[word]) - regions[target].address)
+        for number, region in enumerate(regions)
+        for word, field in region.pointers.items()
+        for target, other in enumerate(regions)
+        if 0 <= int(region.words[word]) - other.address < WORD * other.words.size
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class MemoryImage:
+    """A struct and everything that it points to, as words of 8 bytes that may be placed anywhere.
+
+    Attributes:
+        words: Content; pointers are zero.
+        links: Pointers: word, and offset of the target in the image [bytes], shape (n, 2).
+        places: Address in this process of a struct or array → its first word.
+    """
+
+    words: NDArray[np.uint64]
+    links: NDArray[np.int32]
+    places: Mapping[int, int]
+
+
+def memory_image(root: Struct) -> MemoryImage:
+    """Return the memory image of a struct; arrays that it points to contain numbers."""
+    regions, links = _linked(root)
+    firsts = np.cumsum([0, *(region.words.size for region in regions)])
+    words = [region.words.copy() for region in regions]
+    for copied, region in zip(words, regions, strict=True):
+        copied[[*region.pointers]] = 0
+    return MemoryImage(
+        np.concatenate(words),
+        np.array([(firsts[n] + word, WORD * firsts[to] + offset) for n, word, _, to, offset in links], dtype=np.int32),
+        {region.address: int(first) for region, first in zip(regions, firsts[:-1], strict=True)},
+    )
 
 
 def _regions(struct: Struct, known: set[int]) -> Iterator[_Region]:

@@ -66,6 +66,9 @@ TARGETS = {
 }
 """Platforms by their names in FMI 3."""
 
+WEB = Platform("wasm32-wasi", ".wasm", "")
+"""Browsers; pointers have 4 bytes there."""
+
 
 # -P: without it, Python would first look for ziglang in the current folder.
 _ZIG = (sys.executable, "-P", "-m", "ziglang", "cc")
@@ -210,8 +213,10 @@ def _compiler_for(target: Platform) -> Compiler:
 
 
 def _suits(suffix: str, option: str) -> bool:
-    # Code for Windows is always position-independent, and the compiler refuses the option.
-    return suffix != ".dll" or option not in ("-fPIC", "-fvisibility=hidden")
+    # Code for Windows is always position-independent, and the compiler refuses the option. A module of WebAssembly is
+    # complete, not a shared library.
+    unsuited = {".dll": ("-fPIC", "-fvisibility=hidden"), ".wasm": ("-fPIC", "-fvisibility=hidden", "-shared")}
+    return option not in unsuited.get(suffix, ())
 
 
 def _objects(command: Sequence[str], units: Sequence[str], folder: Path, name: str, failure: str) -> list[str]:

@@ -192,7 +192,7 @@ class _Main(Commands):
             "train": Command("trains:trains", "Draw, check and calculate trains in files."),
             "build": Command("fmus:build_command", "Update FMUs, or build a plant from your own class."),
             "map": Command("fmus:map_", "Print the tables of a scenario for the FMU of another tool."),
-            "export": Command("fmus:export", "Make FMUs of a scenario for another tool: a part or the whole loop."),
+            "export": Command("fmus:export", "Make FMUs of a scenario for another tool, or a page that runs its stop."),
         },
         "Estimation and monitoring": {
             "inspect": Command("estimation:inspect", "Show what a recording holds, and propose its [data]."),

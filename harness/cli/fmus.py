@@ -22,6 +22,7 @@ from railgrip.report.table import ReportTable
 from railgrip.scenario.load import load
 from railgrip.simulate.export.c_parts import part_fmu, write_library
 from railgrip.simulate.export.controller_and_plant import controller_fmu, plant_fmu
+from railgrip.simulate.export.page import write_page
 from railgrip.simulate.export.ssp import write_ssp
 from railgrip.simulate.map_draft import controller_lines, find_mapping
 from railgrip.simulate.named_models import require_role, role_of
@@ -156,14 +157,26 @@ def export(
     ssp: Annotated[
         Path | None, typer.Option(help="Instead of one FMU, write the whole loop as a system of FMUs, SSP 1.0.")
     ] = None,
+    page: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.html", help="Instead of an FMU, write a page that runs the stop in a browser."),
+    ] = None,
 ) -> None:
-    """Make FMUs of a scenario for another tool: a part or the whole loop."""
+    """Make FMUs of a scenario for another tool, or a page that runs its stop."""
     scenario, targets = load(file, overrides or [], equipment or []), _targets(platforms or [])
+    others = out is not None or fmi == 3 or part != "onboard" or library
+    if (ssp is not None and others) or (page is not None and (others or targets or ssp is not None)):
+        raise InputError(
+            "--ssp writes all parts by FMI 2 into one file, and --page a page for all platforms; leave out --out, "
+            "--part, --fmi, --library and, for --page, --ssp and --platforms."
+        )
+    if page is not None:
+        make_folder(page.parent, page.name)
+        for sentence in write_page(lambda more: load(file, [*(overrides or []), *more], equipment or []), page):
+            remark(sentence)
+        say(str(page))
+        return
     if ssp is not None:
-        if out is not None or fmi == 3 or part != "onboard" or library:
-            raise InputError(
-                "--ssp writes all parts by FMI 2 into one file; leave out --out, --part, --fmi and --library."
-            )
         make_folder(ssp.parent, ssp.name)
         say(str(write_ssp(scenario, ssp, targets)))
         return

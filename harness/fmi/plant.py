@@ -20,7 +20,7 @@ import numpy as np
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.fmi.description import Description
-from railgrip.fmi.instance import Instance, Values, Way, assignments, unpack
+from railgrip.fmi.instance import Assignment, Instance, Values, Way, assignments, unpack
 from railgrip.fmi.mapping import Binding, Channel
 from railgrip.fmus.native.toolchain import kernel_library
 
@@ -290,6 +290,11 @@ class CoSimulation(LoadedPlant):
         row["transfer"], row["count"], row["whole"] = exchange, buffer.size, is_integer
         for name, array in arrays.items():
             row[name] = array.ctypes.data
+
+    @property
+    def setup(self) -> tuple[Description, Binding, tuple[Assignment, ...]]:
+        """Description and variables of the FMU, and the values that are set before it starts."""
+        return self._description, self._binding, self._assignments
 
     @property
     def _warned(self) -> int:

@@ -367,9 +367,13 @@ def _condition_rail(mu0: Array, conditioning: Conditioning | None, formation: Fo
     """
     if conditioning is None:
         return np.array(np.broadcast_to(mu0, (len(mu0), formation.wheelsets)))
+    return mu0 + np.clip(conditioning.recovered - mu0, 0, None) * recovery_of(conditioning, formation)
+
+
+def recovery_of(conditioning: Conditioning, formation: Formation) -> Array:
+    """Return the share of the gap to `recovered` that wheelsets ahead have closed for each wheelset."""
     ahead = formation.group_of_wheelset if conditioning.by == "group" else np.arange(formation.wheelsets)
-    recovery = 1 - (1 - conditioning.fraction) ** ahead
-    return mu0 + np.clip(conditioning.recovered - mu0, 0, None) * recovery
+    return 1 - (1 - conditioning.fraction) ** ahead
 
 
 class TabulatedRail:

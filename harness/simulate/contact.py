@@ -19,7 +19,7 @@ import xarray
 
 from railgrip.base.arrays import Array
 from railgrip.fmus.native import Model
-from railgrip.fmus.native.c_source import in_c
+from railgrip.fmus.native.c_source import in_c, table
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.scenario.surface import Recovery
 from railgrip.trace.bound import Contact, contact_at
@@ -39,10 +39,9 @@ def compiled_contact(model: Model, parameters: dict[str, float], shape: dict[str
         parameters: Wheel and rail parameters that differ from those of the class.
         shape: Parameters of the creep curve, used where `curve` is not given.
     """
-    values = {variable.name: variable.start for variable in model.parameters} | parameters | shape
     of_all = np.array([[value] for value in shape.values()])
-    run, of_geometry, geometry = _library(model, tuple(shape))
-    fixed = np.array(of_geometry([values[name] for name in geometry]), dtype=np.float64)
+    run, *terms = _library(model, tuple(shape))
+    fixed = _geometry_terms(model, parameters, *terms)
 
     def adhesion(slip: Array, speed: Array, load: Array, mu0: Array, curve: Array | None = None) -> Array:
         points = [np.ascontiguousarray(each, dtype=np.float64) for each in np.broadcast_arrays(slip, speed, load, mu0)]
@@ -57,9 +56,24 @@ def compiled_contact(model: Model, parameters: dict[str, float], shape: dict[str
     return adhesion
 
 
+def contact_header(model: Model, parameters: dict[str, float], shape: dict[str, float]) -> str:
+    """Return C code: `contact` of (point, contact_curve, contact_fixed), and these tables; see `compiled_contact`."""
+    header, *terms = _contact_in_c(model, tuple(shape))
+    fixed = _geometry_terms(model, parameters, *terms).ravel().tolist()
+    tables = {"contact_curve": [*shape.values()], "contact_fixed": fixed}
+    return "\n".join([header, *(table("double", name, values) for name, values in tables.items())])
+
+
+def _geometry_terms(
+    model: Model, parameters: dict[str, float], of_geometry: ca.Function, geometry: tuple[str, ...]
+) -> Array:
+    values = {variable.name: variable.start for variable in model.parameters} | parameters
+    return np.array(of_geometry([values[name] for name in geometry]), dtype=np.float64)
+
+
 @cache
-def _library(model: Model, shape: tuple[str, ...]) -> tuple[Callable[..., None], ca.Function, tuple[str, ...]]:
-    """Return the contact in C, a function that precomputes its geometry terms, and the geometry parameters.
+def _contact_in_c(model: Model, shape: tuple[str, ...]) -> tuple[str, ca.Function, tuple[str, ...]]:
+    """Return contact.h, a function that precomputes the contact's geometry terms, and the geometry parameters.
 
     The axes of the contact patch are three powers of constants; they are computed once and passed to the C function.
     """
@@ -76,11 +90,18 @@ def _library(model: Model, shape: tuple[str, ...]) -> tuple[Callable[..., None],
     places = {name.upper(): inputs.index(name) for name in _ORDER}
     macros = {**places, **sizes, "CURVE": len(shape)}
     header = "".join(f"#define {name} {value}\n" for name, value in macros.items()) + text
+    return header, ca.Function("fixed", [of_wheel_and_rail], [ca.vertcat(*fixed)]), geometry
+
+
+@cache
+def _library(model: Model, shape: tuple[str, ...]) -> tuple[Callable[..., None], ca.Function, tuple[str, ...]]:
+    """Return the compiled contact; the other results are those of `_contact_in_c`."""
+    header, of_geometry, geometry = _contact_in_c(model, shape)
     sources = {"contact.h": header, "contact.c": KERNEL.read_text(encoding="utf-8")}
     run = ctypes.CDLL(str(shared_library(sources, "contact"))).contact_at
     pointer = ctypes.c_void_p
     run.argtypes, run.restype = [ctypes.c_size_t, *[pointer] * 5, ctypes.c_size_t, pointer, pointer], None
-    return run, ca.Function("fixed", [of_wheel_and_rail], [ca.vertcat(*fixed)]), geometry
+    return run, of_geometry, geometry
 
 
 SLIPS_OF_TWO_MAXIMA = np.geomspace(1e-4, 1.0, 65)

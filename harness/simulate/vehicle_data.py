@@ -19,6 +19,7 @@ from railgrip.base.names import ElementName
 from railgrip.base.units import unit
 from railgrip.controllers.law import FULL_PRESSURE, GroupLaw
 from railgrip.fmi import Description
+from railgrip.fmus.native import Model
 from railgrip.rolling_stock.schema import Train, load_train
 from railgrip.scenario.adhesion import TabulatedRail, rail_of
 from railgrip.scenario.faults import TRUTH_KEYS
@@ -37,7 +38,7 @@ from railgrip.scenario.vehicle_table import (
     RecipePlant,
     TrainFile,
 )
-from railgrip.simulate.contact import compiled_contact
+from railgrip.simulate.contact import compiled_contact, contact_header
 from railgrip.simulate.faults.brake import isolated_groups, isolated_units
 from railgrip.simulate.loop.plausible import UNBOUNDED, Slowing, slowing_of
 from railgrip.simulate.named_models import (
@@ -519,21 +520,30 @@ class VehicleData:
 
         Where friction falls with temperature, treads are as cold as the rail.
         """
-        polach = self.scenario.adhesion.polach
-        curve = dict(zip(polach.plant_parameters(), self.curves[0].tolist(), strict=True))
-        return self.contact_with(polach.contact_parameters() | self.changes | curve)
+        return self.contact_with(self._contact_parameters)
+
+    @cached_property
+    def contact_header(self) -> str:
+        """C code of `contact`; see `railgrip.simulate.contact.contact_header`."""
+        return contact_header(*self._contact_arguments(self._contact_parameters))
 
     def contact_with(self, parameters: Mapping[str, float]) -> Contact:
         """Return the contact with those of the plant's parameters that it has."""
+        return compiled_contact(*self._contact_arguments(parameters))
+
+    @property
+    def _contact_parameters(self) -> dict[str, float]:
+        polach = self.scenario.adhesion.polach
+        curve = dict(zip(polach.plant_parameters(), self.curves[0].tolist(), strict=True))
+        return polach.contact_parameters() | self.changes | curve
+
+    def _contact_arguments(self, parameters: Mapping[str, float]) -> tuple[Model, dict[str, float], dict[str, float]]:
         polach, detailed = self.scenario.adhesion.polach, self.scenario.truth.mechanics == "detailed"
         law = "Heated" if polach.temperature_loss else "Simplified" if detailed else ""
         model, shape = compile_class(f"RailBraking.FMUs.{law}ContactPoint"), polach.plant_parameters()
         names = {variable.name for variable in model.parameters} - shape.keys()
-        return compiled_contact(
-            model,
-            {name: value for name, value in parameters.items() if name in names},
-            {name: parameters[name] for name in shape},
-        )
+        of_wheel_and_rail = {name: value for name, value in parameters.items() if name in names}
+        return model, of_wheel_and_rail, {name: parameters[name] for name in shape}
 
 
 @dataclass(frozen=True, slots=True)

@@ -65,6 +65,7 @@ COMMANDS = {
     " --fmi 3 --out out/law.fmu": "out/law.fmu",
     "export plain --library --out out/library": "out/library/plain_onboard.h",
     "export plain --ssp out/plain.ssp": "out/plain.ssp",
+    "export plain --page out/plain.html": "out/plain.html",
     "inspect out/run.csv --for stop --time 'time [s]' --decimal . --order day-first --out out/stop.toml":
         "out/stop.toml",
     "inspect out/run.csv --for train --train emu387 --json": '"proposal"',

@@ -74,7 +74,7 @@ def part_in_c(scenario: Scenario, kind: Kind) -> SampledSystem:
         ScenarioError: The part is in Python or a foreign FMU, and therefore not in C.
         FmuError: The plant does not fit.
     """
-    scenario = _with_filter_in_c(scenario)
+    scenario = with_filter_in_c(scenario)
     with assemble(scenario) as opened:
         parts, structs = opened.parts, Loop(opened.parts).structs
         role = _ROLES[kind](scenario, parts, structs)
@@ -83,7 +83,7 @@ def part_in_c(scenario: Scenario, kind: Kind) -> SampledSystem:
 
 def readings_of(scenario: Scenario) -> NDArray[np.float64]:
     """Return the inputs of the onboard part in each sample of a scenario's stop, shape (samples, inputs)."""
-    with assemble(_with_filter_in_c(scenario)) as opened:
+    with assemble(with_filter_in_c(scenario)) as opened:
         opened.run()
         recorder, parts = opened.recorder, opened.parts
         rows = recorder.rows[: recorder.written]
@@ -121,7 +121,7 @@ def write_library(scenario: Scenario, folder: Path) -> Iterator[Path]:
         yield file
 
 
-def _with_filter_in_c(scenario: Scenario) -> Scenario:
+def with_filter_in_c(scenario: Scenario) -> Scenario:
     """Return the scenario with its filter in C, equal except for rounding; the decentralised filter is in C already."""
     estimator = scenario.estimator
     if not isinstance(estimator, KalmanFilter) or estimator.kind not in ("fmu", "python") or estimator.file is not None:
@@ -137,9 +137,7 @@ def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Sample
     calls = [f"    c->{field}.call = call_{_name(field)};" for field in role.formulas]
     if kind in ("onboard", "estimator") and isinstance(estimator, StateEstimator):
         assert isinstance(estimator.filter, StepInC)
-        files |= {
-            name: text for name, text in estimator.filter.sources.items() if name == "plain.c" or name[-2:] == ".h"
-        }
+        files |= sources_of_filter(estimator.filter)
         units = ("plain.c",)
         calls.append("    c->filter->advance = step_plain;")
     macros = {
@@ -154,7 +152,7 @@ def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Sample
         *(f"#define {name} {value}" for name, value in macros.items()),
         *(f'#include "{name}"' for name in _UNITS),
         memory_in_c(role.struct, headers(layout).values()),
-        *(_write_call(_name(field), formula) for field, formula in role.formulas.items()),
+        *(write_call(_name(field), formula) for field, formula in role.formulas.items()),
         "int step_plain(double *block);",
         "static int sample(unsigned long long *memory, long long k, const double *input, const double *parameter,",
         "                  double *output)",
@@ -189,7 +187,12 @@ def _name(field: str) -> str:
     return field.rpartition("->")[2]
 
 
-def _write_call(name: str, formula: Sampled) -> str:
+def sources_of_filter(filter_: StepInC) -> dict[str, str]:
+    """Return the C code of the function `step_plain` of a filter, file name → text; the unit is plain.c."""
+    return {name: text for name, text in filter_.sources.items() if name == "plain.c" or name.endswith(".h")}
+
+
+def write_call(name: str, formula: Sampled) -> str:
     """Return C code of a formula with the signature of `Call` in cycle.h."""
     step, count = formula.step, formula.state.size
     sizes = [step.numel_in(0), step.numel_in(1), formula.parameters.size]

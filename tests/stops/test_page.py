@@ -1,0 +1,118 @@
+"""A page runs a stop in a browser as the loop does here; the tests need Chromium and ziglang."""
+
+import importlib.util
+import json
+import re
+
+import numpy as np
+import pytest
+from legible import needs_browser, posted_by
+from pages import needs_nothing_else
+from sampling import sample
+
+from railgrip.base.errors import ScenarioError
+from railgrip.scenario.load import load
+from railgrip.simulate.export.c_parts import with_filter_in_c
+from railgrip.simulate.export.page import write_page
+from railgrip.simulate.run import run_stop
+
+SETTINGS = 20
+ROUNDING = 1e-9
+"""Relative error of a distance: the C library of WebAssembly (musl) rounds exp, pow and others differently."""
+
+AMPLIFIED = 1e-3
+"""The same where a law seeks or switches: wheels that slide beyond the peak amplify rounding until a law decides one
+sample earlier or later. By 1e-3 and more, distances count as ill-conditioned."""
+
+_DRIVE = """<script>addEventListener("load", async () => {{
+  const found = [];
+  for (const settings of {settings}) {{
+    try {{
+      const [{{ end, rows, time, seconds, peaks }}] = await runStops(settings);
+      const last = (name) => rows[rows.length - data.width + data.columns[name][0]];
+      found.push({{ end, time, seconds, distance: last("distance"), peaks: peaks.length }});
+    }} catch (problem) {{ found.push({{ end: problem.message }}); }}
+  }}
+  parent.postMessage(JSON.stringify(found), "*");
+}});</script>"""
+
+pytestmark = [
+    needs_browser,
+    pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="needs the package ziglang"),
+]
+
+
+def of_scenario(more):
+    return load("trapezoid", [*more], [])
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    file = tmp_path_factory.mktemp("page") / "stop.html"
+    assert write_page(of_scenario, file) == []
+    return file
+
+
+def stops_in_browser(page, folder, settings):
+    text = page.read_text(encoding="utf-8").replace("</body>", f"{_DRIVE.format(settings=json.dumps(settings))}</body>")
+    return json.loads(posted_by(text, folder))
+
+
+def random_settings():
+    """Yield settings of the page, and the same as overrides; the first are those of the scenario."""
+    laws = [("adhesion_based", "margin", 0.0097), ("slip_two_state", "high", 0.15), ("full_brake", None, None)]
+    yield {"controls": {}, "shown": ["adhesion_based"]}, []
+    random = np.random.default_rng(3)
+    for number in range(SETTINGS - 1):
+        friction, speed, load_, pads, slope, threshold = random.uniform(
+            [0.7, 13.0, 0.85, 0.85, -0.02, 0.9], [1.3, 27.0, 1.2, 1.2, 0.02, 1.3]
+        ).tolist()
+        kind, name, value = laws[number % len(laws)]
+        names = ("friction", "start speed", "load", "pad friction", "gradient")
+        controls = dict(zip(names, (friction, speed, load_, pads, slope), strict=True))
+        overrides = [f"controller.kind={kind}", f"adhesion.level={friction!r}", f"start.speed={speed!r}"]
+        overrides.append(f"track.gradient=[{{begin=0,slope={slope!r}}}]")
+        masses = (13400.0, 14100.0, 14500.0, 14500.0, 14100.0, 13400.0)
+        overrides += [f'vehicle.parameters."m_wheelset[{i}]"={load_ * m!r}' for i, m in enumerate(masses, 1)]
+        for group in range(1, 5):
+            overrides += [f'vehicle.parameters."mu_b_{when}[{group}]"={pads * 0.35!r}' for when in ("nominal", "start")]
+        settings = {"controls": controls, "shown": [kind]}
+        if name is not None:
+            settings["laws"] = {kind: {name: threshold * value}}
+            overrides.append(f"controller.parameters.{name}={threshold * value!r}")
+        yield settings, overrides
+
+
+def test_a_stop_in_a_browser_is_that_of_the_loop(page, tmp_path):
+    cases = sample([*random_settings()], 7)
+    found = stops_in_browser(page, tmp_path, [settings for settings, _ in cases])
+    for number, ((settings, overrides), here) in enumerate(zip(cases, found, strict=True)):
+        there = run_stop(with_filter_in_c(of_scenario(overrides)))
+        is_exact = number == 0 or settings["shown"] == ["full_brake"]
+        assert here["end"] == there.outcome.value, settings
+        assert here["distance"] == pytest.approx(there.metrics.distance, rel=ROUNDING if is_exact else AMPLIFIED)
+        assert here["time"] == pytest.approx(there.metrics.duration, rel=ROUNDING if is_exact else AMPLIFIED)
+        assert here["peaks"] > 100
+
+
+def test_a_stop_that_does_not_end_or_run_is_a_sentence(page, tmp_path):
+    moving, wrong, after = stops_in_browser(page, tmp_path, [
+        {"controls": controls, "shown": ["full_brake"]} for controls in ({"friction": 1e-3}, {"load": 0.0}, {})
+    ])  # fmt: skip
+    assert (moving["end"], wrong["end"], after["end"]) == ("horizon", "plant_failed", "standstill")
+
+
+def test_the_page_needs_nothing_else_and_forbids_it(page):
+    text = page.read_text(encoding="utf-8")
+    policy = re.search(r'Content-Security-Policy" content="(.*?)"', text).group(1)
+    assert needs_nothing_else(page)
+    assert page.stat().st_size < 1.5e6
+    assert policy.startswith("default-src 'none'")
+    assert "'unsafe-eval'" not in policy
+    assert "eval(" not in text
+
+
+def test_a_stop_that_is_not_in_c_is_refused(tmp_path):
+    noisy = ["sensors.kind=white", "sensors.noise.speed=0.1"]
+    with pytest.raises(ScenarioError, match=r"trapezoid: \[sensors\] have noise, .* use kind = 'ideal'"):
+        write_page(lambda more: of_scenario([*noisy, *more]), tmp_path / "stop.html")
