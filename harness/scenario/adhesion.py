@@ -373,7 +373,7 @@ def _condition_rail(mu0: Array, conditioning: Conditioning | None, formation: Fo
 def recovery_of(conditioning: Conditioning, formation: Formation) -> Array:
     """Return the share of the gap to `recovered` that wheelsets ahead have closed for each wheelset."""
     ahead = formation.group_of_wheelset if conditioning.by == "group" else np.arange(formation.wheelsets)
-    return 1 - (1 - conditioning.fraction) ** ahead
+    return np.subtract(1.0, (1 - conditioning.fraction) ** ahead, dtype=np.float64)
 
 
 class TabulatedRail:

@@ -40,8 +40,8 @@ def compiled_contact(model: Model, parameters: dict[str, float], shape: dict[str
         shape: Parameters of the creep curve, used where `curve` is not given.
     """
     of_all = np.array([[value] for value in shape.values()])
-    run, *terms = _library(model, tuple(shape))
-    fixed = _geometry_terms(model, parameters, *terms)
+    run, of_geometry, geometry = _library(model, tuple(shape))
+    fixed = _geometry_terms(model, parameters, of_geometry, geometry)
 
     def adhesion(slip: Array, speed: Array, load: Array, mu0: Array, curve: Array | None = None) -> Array:
         points = [np.ascontiguousarray(each, dtype=np.float64) for each in np.broadcast_arrays(slip, speed, load, mu0)]
@@ -58,8 +58,8 @@ def compiled_contact(model: Model, parameters: dict[str, float], shape: dict[str
 
 def contact_header(model: Model, parameters: dict[str, float], shape: dict[str, float]) -> str:
     """Return C code: `contact` of (point, contact_curve, contact_fixed), and these tables; see `compiled_contact`."""
-    header, *terms = _contact_in_c(model, tuple(shape))
-    fixed = _geometry_terms(model, parameters, *terms).ravel().tolist()
+    header, of_geometry, geometry = _contact_in_c(model, tuple(shape))
+    fixed = _geometry_terms(model, parameters, of_geometry, geometry).ravel().tolist()
     tables = {"contact_curve": [*shape.values()], "contact_fixed": fixed}
     return "\n".join([header, *(table("double", name, values) for name, values in tables.items())])
 

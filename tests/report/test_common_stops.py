@@ -126,18 +126,19 @@ def test_an_estimator_that_diverges_where_it_is_hard_is_not_first():
 
 
 PACKAGE = Path(railgrip.report.__file__).parents[1]
+PAGES = Path(__file__).parents[2] / "docs" / "studies"
 STATISTICS = {"median", "quantile", "nanmedian", "nanquantile", "idxmin", "nsmallest", "sort_values", "sorted", "min"}
 ENTRANTS = {"controller", "controller_label", "estimator", "estimates", "law", "system", "filter", "variant"}
 COMPLETE = {
     "overview_of": "sorts rows of a table, by the order of the campaign",
     "compare": "`zip` refuses laws whose stops are not those of the present estimates",
-    "stiffness_table": "every filter has every run, and a lost one an infinite error",
-    "known_table": "every filter has every run",
     "families": "sorts cases along an axis of friction",
     "recommendation": "leaves out laws that lack a case of the rail",
-    "_answer": "every filter has every run, and a lost one an infinite error",
+    "lateral_runs": "every filter has every run, and a lost one an infinite error",
+    "filter_consistency": "every filter has every stop",
+    "certificate": "counts steps, and sorts them along an axis of the cases",
 }
-"""Function that orders entrants or takes quantiles over them without `on_common` or `rank` → why it may."""
+"""Function or page that orders entrants or takes quantiles over them without `on_common` or `rank` → why it may."""
 
 
 def names_of_calls(node):
@@ -159,16 +160,20 @@ def compares_entrants(function):
     return bool(names_of_calls(function) & STATISTICS) and any(value in ENTRANTS for value in constants)
 
 
+def functions():
+    """Yield path, name and tree of each function that may compare entrants, and of each page of a study as a whole."""
+    for folder in ("report", "studies", "campaign", "cli", "estimation"):
+        for path in sorted((PACKAGE / folder).rglob("*.py")):
+            for one in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(one, ast.FunctionDef):
+                    yield one.name, one
+    for path in sorted(PAGES.glob("*.py")):
+        yield path.stem, ast.parse(path.read_text(encoding="utf-8"))
+
+
 def test_no_function_compares_entrants_without_selecting_common_stops():
     """A new one calls `on_common`, or `rank`, which refuses entrants with different stops."""
-    functions = (
-        (path, one)
-        for folder in ("report", "studies", "campaign", "cli", "estimation")
-        for path in sorted((PACKAGE / folder).rglob("*.py"))
-        for one in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(one, ast.FunctionDef)
-    )
-    found = [(path, one) for path, one in functions if compares_entrants(one)]
-    bare = {one.name for _, one in found if not names_of_calls(one) & {"on_common", "rank"}}
+    found = [(name, one) for name, one in functions() if compares_entrants(one)]
+    bare = {name for name, one in found if not names_of_calls(one) & {"on_common", "rank"}}
     assert len(found) > len(bare) > 0
     assert bare == set(COMPLETE)
