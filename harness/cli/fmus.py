@@ -165,11 +165,10 @@ def export(
     """Make FMUs of a scenario for another tool, or a page that runs its stop."""
     scenario, targets = load(file, overrides or [], equipment or []), _targets(platforms or [])
     others = out is not None or fmi == 3 or part != "onboard" or library
-    if (ssp is not None and others) or (page is not None and (others or targets or ssp is not None)):
-        raise InputError(
-            "--ssp writes all parts by FMI 2 into one file, and --page a page for all platforms; leave out --out, "
-            "--part, --fmi, --library and, for --page, --ssp and --platforms."
-        )
+    if page is not None and (others or targets or ssp is not None):
+        raise InputError("--page writes the whole stop for all platforms into one file; leave out the other options.")
+    if ssp is not None and others:
+        raise InputError("--ssp writes all parts by FMI 2 into one file; leave out --out, --part, --fmi and --library.")
     if page is not None:
         make_folder(page.parent, page.name)
         for sentence in write_page(lambda more: load(file, [*(overrides or []), *more], equipment or []), page):
