@@ -4,6 +4,7 @@ Papers 000 and 001 cite the former, by Brembeck et al. (2014).
 """
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -77,9 +78,9 @@ def own(folder: Path, *edits: tuple[str, str]) -> Path:
     """Write the FMU of TrainPrediction for Co-Simulation alone, with an edited description."""
 
     def stepped_only(text: str) -> str:
-        lines = [line for line in text.splitlines() if not line.startswith("  <ModelExchange ")]
-        assert len(lines) == len(text.splitlines()) - 1
-        return replaced("\n".join(lines), *edits)
+        stepped, count = re.subn(r"  <ModelExchange .*?</ModelExchange>\n", "", text, flags=re.DOTALL)
+        assert count == 1
+        return replaced(stepped, *edits)
 
     source = prediction_description("TrainPrediction", None, "me_cs").file
     file = with_description(source, folder / "Mine.fmu", stepped_only)
