@@ -73,7 +73,9 @@ def test_text_files_are_read_and_written_in_a_stated_encoding(trees):
             if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
                 continue
             stated = {keyword.arg for keyword in node.keywords}
-            if node.func.attr == "read_text" or (node.func.attr == "write_text" and len(node.args) == 1):
+            # The first argument of `read_text` is the encoding, or the name of a file of a distribution.
+            reads = node.func.attr == "read_text" and not node.args
+            if reads or (node.func.attr == "write_text" and len(node.args) == 1):
                 assert "encoding" in stated, (path, node.lineno)
             if node.func.attr in ("run", "Popen", "check_output") and stated & {"text", "universal_newlines"}:
                 assert "encoding" in stated, (path, node.lineno)
