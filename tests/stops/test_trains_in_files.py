@@ -210,7 +210,9 @@ COMPILED_QUICKLY = {"eanos_wagon", "tram", "two_axle_wagon"}
             for path in sorted(TRAINS.glob("*.toml"))
             if path.stem in COMPILED_QUICKLY or (FUZZ and path.stem != "freight_train")
         ),
-        pytest.param({"model": "SimpleTrain.FreightTrain", "library": f"{EXAMPLES}/SimpleTrain"}, id="SimpleTrain"),
+        pytest.param(
+            {"model": "SimpleTrain.FreightTrain", "library": f"{EXAMPLES}/SimpleTrain/package.mo"}, id="SimpleTrain"
+        ),
         pytest.param({"model": "MyTrains.Wagon", "library": "MyTrains.mo"}, id="own_modelica.md"),
     ],
 )

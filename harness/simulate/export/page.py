@@ -16,8 +16,8 @@ from typing import Any, Final, Literal
 
 import numpy as np
 from markupsafe import Markup
-from numpy.typing import NDArray
 
+from railgrip.base.arrays import Mask, Vector
 from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.base.files import write_text
 from railgrip.base.names import ElementName
@@ -51,8 +51,6 @@ _ROUNDING: Final = 1e-11
 
 Load = Callable[[Sequence[str]], Scenario]
 """Returns the scenario with further overrides, as of `--set`."""
-
-Words = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,7 +97,7 @@ class _Stop:
     """
 
     image: MemoryImage
-    words: Words
+    words: Vector
     law: Sampled
 
 
@@ -321,23 +319,23 @@ def _scale(values: Mapping[str, float], share: float) -> list[str]:
 
 
 def _fit(
-    base: Words, load_at: Callable[..., Scenario], controls: Sequence[Control], remarks: list[str]
+    base: Vector, load_at: Callable[..., Scenario], controls: Sequence[Control], remarks: list[str]
 ) -> tuple[list[Control], list[Any]]:
     """Find how the words of a stop depend on the controls: linear in each or its inverse, and in products of two.
 
     All is compared with stops that are assembled at other values. Returns the controls for which this holds, and the
     coefficients: terms, and for each word its coefficient. A sentence for each other control is added to the remarks.
     """
-    kept, slopes = list[Control](), dict[tuple[Term, ...], Words]()
+    kept, slopes = list[Control](), dict[tuple[Term, ...], Vector]()
 
-    def words_at(values: Mapping[Control, float]) -> Words:
+    def words_at(values: Mapping[Control, float]) -> Vector:
         with _assembled(load_at(values)) as (_, found):
             if found.words.shape != base.shape:
                 raise ScenarioError("it changes the size of the stop's memory")
             with np.errstate(invalid="ignore"):  # infinite words, which do not change
                 return np.where(found.words.view(np.uint64) == base.view(np.uint64), 0.0, found.words - base)
 
-    def missing(values: Mapping[Control, float]) -> Words:
+    def missing(values: Mapping[Control, float]) -> Vector:
         """Return the change of each word that the coefficients do not explain."""
         found, expected = words_at(values), np.zeros(base.shape)
         for terms, slope in slopes.items():
@@ -346,7 +344,7 @@ def _fit(
         size = np.abs(base) + np.abs(base + found)
         return np.where(np.abs(found - expected) <= _ROUNDING * size, 0.0, found - expected)
 
-    def add(*terms: Term, where: NDArray[np.bool_] | Literal[True] = True) -> None:
+    def add(*terms: Term, where: Mask | Literal[True] = True) -> None:
         rest = missing({control: control.high for control, _ in terms})
         slopes[terms] = np.where(where, rest / prod(c.step(c.high, power) for c, power in terms), 0.0)
 
