@@ -20,9 +20,9 @@ from railgrip.fmus.recipe import LOCK, Entry, differences, read_lock, read_recip
 from railgrip.report.console import progress, remark, say, show_table
 from railgrip.report.table import ReportTable
 from railgrip.scenario.load import load
+from railgrip.simulate.export.browser import write_page
 from railgrip.simulate.export.c_parts import part_fmu, write_library
 from railgrip.simulate.export.controller_and_plant import controller_fmu, plant_fmu
-from railgrip.simulate.export.page import write_page
 from railgrip.simulate.export.ssp import write_ssp
 from railgrip.simulate.map_draft import controller_lines, find_mapping
 from railgrip.simulate.named_models import require_role, role_of

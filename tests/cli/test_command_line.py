@@ -284,9 +284,9 @@ EXPECTED = '\n[[expected]]\nmatch = {{ controller = "{}" }}\noutcome = "horizon"
 
 
 @pytest.mark.usefixtures("in_process", "blank_figures")
-@pytest.mark.parametrize(("sliding", "expected", "code", "told"), table(__file__, "tables.toml")["exit_codes"])
+@pytest.mark.parametrize(("sliding", "expected", "code", "remarks"), table(__file__, "tables.toml")["exit_codes"])
 def test_the_exit_code_of_each_run_says_whether_outcomes_are_as_expected(
-    railgrip, project, sliding, expected, code, told
+    railgrip, project, sliding, expected, code, remarks
 ):
     """The second time nothing runs, and results, messages and exit code are the same."""
     text = (project / "pair.toml").read_text(encoding="utf-8")
@@ -301,8 +301,8 @@ def test_the_exit_code_of_each_run_says_whether_outcomes_are_as_expected(
     for result in (first, second, fresh):
         assert result.code == code
         complaints = sorted(line for line in result.err.splitlines() if "expected was" in line)
-        assert len(complaints) == len(told)
-        assert all(line.startswith(start) for line, start in zip(complaints, told, strict=True))
+        assert len(complaints) == len(remarks)
+        assert all(line.startswith(start) for line, start in zip(complaints, remarks, strict=True))
 
 
 @pytest.mark.usefixtures("in_process", "blank_figures")

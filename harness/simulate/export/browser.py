@@ -131,13 +131,13 @@ def write_page(load: Load, file: Path) -> list[str]:
     data["controls"] = [
         {n: getattr(c, n) for n in ("name", "unit", "factor", "start", "low", "high")} for c in controls
     ]
-    files["page_parts.h"] = render("simulate/kernel/page_parts.h.jinja", laws=laws, **variables)
+    files["browser_parts.h"] = render("simulate/kernel/browser_parts.h.jinja", laws=laws, **variables)
     data["laws"] = [{key: value for key, value in law.items() if key not in ("code", "calls")} for law in laws]
-    units = [name for name in files if name in (*_UNITS, "plain.c", "page.c", "set_step_get.c", "plant_model.c")]
-    page = render("simulate/export/page.html.jinja", is_html=True, name=scenario.name, remarks=remarks,
+    units = [name for name in files if name in (*_UNITS, "plain.c", "browser.c", "set_step_get.c", "plant_model.c")]
+    page = render("simulate/export/browser.html.jinja", is_html=True, name=scenario.name, remarks=remarks,
         data=Markup(json.dumps(data, allow_nan=False).replace("<", "\\u003c")),
         module=_pack(binary(files, "stop", units=units, include=[HEADERS], flags=_FLAGS, target=WEB)),
-        **{name: Markup((_HERE / f"{name}.js").read_text(encoding="utf-8")) for name in ("page", "worker")},
+        **{name: Markup((_HERE / f"{name}.js").read_text(encoding="utf-8")) for name in ("browser", "browser_worker")},
     )  # fmt: skip
     if len(page) > LARGEST:
         raise ScenarioError(
@@ -231,13 +231,13 @@ def _code_of_law(parts: Parts, number: int) -> dict[str, Any]:
 
 
 def _files(opened: StopAssembly) -> tuple[dict[str, str], dict[str, Any]]:
-    """Return the C code of a stop, file name → text, and variables of the template of page_parts.h."""
+    """Return the C code of a stop, file name → text, and variables of the template of browser_parts.h."""
     parts = opened.parts
     plant, _ = _require_c(opened.vehicle.scenario, parts)
     files = headers(parts.layout) | texts(*_UNITS) | {"export.h": "#define EXPORT\n"}
     if isinstance(parts.estimator, StateEstimator) and isinstance(parts.estimator.filter, StepInC):
         files |= sources_of_filter(parts.estimator.filter)
-    places = {"fmi": ("set_step_get.c", "set_step_get.h"), "simulate": ("page.c",)}
+    places = {"fmi": ("set_step_get.c", "set_step_get.h"), "simulate": ("browser.c",)}
     for package, names in places.items():
         folder = resources.files(f"railgrip.{package}") / "kernel"
         files |= {name: (folder / name).read_text(encoding="utf-8") for name in names}

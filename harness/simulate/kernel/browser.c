@@ -1,6 +1,6 @@
 /* A stop in a browser: the loop of a scenario with the C code of its plant, for WebAssembly.
 
-   page_parts.h is generated next to this file: the plant's variables, and the formulas of each law. The memory of
+   browser_parts.h is generated next to this file: the plant's variables, and the formulas of each law. The memory of
    the stop comes from the page, as the words that `Loop` fills in Python: pointers in it are zero, and `links` has their
    places and targets. */
 
@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "fmi2Functions.h"
-#include "page_parts.h"
+#include "browser_parts.h"
 #include "set_step_get.h"
 
 #include "contact.h" /* after the others, whose enumerators have the names of its macros */

@@ -153,7 +153,10 @@ const colour = (kind) => COLOURS[data.laws.findIndex((law) => law.kind === kind)
 /* Figures. */
 const points = (stop, x, y) => {
   const count = stop.rows.length / data.width, every = Math.max(1, Math.floor(count / 1200)), line = [];
-  for (let k = 0; k < count; k += every) line.push([x(k), y((name, index = 0) => stop.rows[k * data.width + data.columns[name][0] + index])]);
+  for (let k = 0; k < count; k += every) {
+    const at = (name, index = 0) => stop.rows[k * data.width + data.columns[name][0] + index];
+    line.push([x(at, k), y(at)]);
+  }
   return line;
 };
 function figure(title, xTitle, lines, { top, log = false, marks = [] } = {}) {
@@ -190,15 +193,15 @@ function figure(title, xTitle, lines, { top, log = false, marks = [] } = {}) {
 function draw() {
   const stop = stops.find((one) => one.kind === chosen), shades = ["#0a5fb4", "#c4500c", "#3a7d34", "#7b3fa0", "#997000", "#00838f", "#ad1457", "#555"];
   if (!stop) return figures.replaceChildren();
-  const time = (k) => Math.min(k * data.stride * data.period, stop.time), { columns } = data, groups = data.first.length;
+  const time = (_, k) => Math.min(k * data.stride * data.period, stop.time), { columns } = data, groups = data.first.length;
   const listed = Array.from({ length: groups }, (_, g) => g);
   const of = (name, value) => columns[name] ? listed.map((g) => ({ label: `group ${g + 1}`, colour: shades[g % shades.length], points: points(stop, time, (at) => value(at, g)) })) : [];
   const choice = make("select", { ariaLabel: "Law of the figures" }, ...stops.map(({ kind }) => make("option", { textContent: kind, selected: kind === chosen })));
   choice.onchange = () => { chosen = choice.value; draw(); };
   const speeds = stops.map((one) => ({ label: one.kind, colour: colour(one.kind),
-    points: points(one, () => 0, (at) => 3.6 * at("speed")).map(([, y], k) => [points(one, () => 0, (at) => at("distance"))[k][1], y]) }));
+    points: points(one, (at) => at("distance"), (at) => 3.6 * at("speed")) }));
   const ratio = listed.map((g) => ({ label: `group ${g + 1}`, colour: shades[g % shades.length], points: stop.peaks.map(([k, peaks]) =>
-    [time(k), stop.rows[k * data.width + columns.slip[0] + g] / peaks[g]]) }));
+    [time(null, k), stop.rows[k * data.width + columns.slip[0] + g] / peaks[g]]) }));
   const train = { label: "train", colour: "#000", points: points(stop, time, (at) => 3.6 * at("speed")) };
   const drawn = [
     figure("Speed of the train [km/h]", "distance [m]", speeds),

@@ -12,8 +12,8 @@ from sampling import sample
 
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import load
+from railgrip.simulate.export.browser import write_page
 from railgrip.simulate.export.c_parts import with_filter_in_c
-from railgrip.simulate.export.page import write_page
 from railgrip.simulate.run import run_stop
 
 SETTINGS = 20
