@@ -27,9 +27,10 @@ from railgrip.fmi import CoSimulation
 from railgrip.fmus.native.discrete import MemoryImage, memory_image
 from railgrip.fmus.native.package import HEADERS
 from railgrip.fmus.native.toolchain import WEB, binary
-from railgrip.kernel import headers, texts
+from railgrip.kernel import headers, kernel, texts
 from railgrip.report.page import render
 from railgrip.scenario.adhesion import profile_of, recovery_of
+from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.assembly import StopAssembly, assemble
 from railgrip.simulate.export.c_parts import sources_of_filter, with_filter_in_c, write_call
@@ -45,6 +46,15 @@ LARGEST: Final = 1.5e6  # bytes of a page
 _HERE: Final = Path(__file__).parent
 _UNITS: Final = ("cycle.c", "onboard.c", "sensors.c", "rail.c", "driver.c", "plausible.c", "faults.c")
 _FLAGS: Final = ("-O2", "-msimd128", "-mexec-model=reactor", "-Wl,-z,stack-size=1048576")
+_ENDS: Final = {
+    "STANDING": Outcome.STANDSTILL,
+    "AT_HORIZON": Outcome.HORIZON,
+    "NOT_PLAUSIBLE": Outcome.IMPLAUSIBLE,
+    "PLANT_FAILED": Outcome.PLANT_FAILED,
+    "DIVERGED": Outcome.DIVERGED,
+    "NO_COMMAND": Outcome.CONTROLLER_FAILED,
+}
+"""Enumerators of cycle.h → outcome of the stop."""
 _STRIDE: Final = 0.01  # s between two rows that the page draws
 _ROUNDING: Final = 1e-11
 """Relative difference of a word from its formula: rounding in the assembly of a stop."""
@@ -275,7 +285,9 @@ def _data(scenario: Scenario, opened: StopAssembly) -> dict[str, Any]:
     for _ in range(2):  # straight lines become zeros, except for rounding
         bits = np.diff(bits, axis=0, prepend=0)
     recovery = np.zeros(formation.wheelsets) if conditioning is None else recovery_of(conditioning, formation)
+    functions = kernel(parts.layout).functions
     return {
+        "ends": {getattr(functions, name): outcome for name, outcome in _ENDS.items()},
         "period": period,
         "stride": max(1, round(_STRIDE / period)),
         "samples": parts.clock.samples,

@@ -1,6 +1,5 @@
 // Runs stops in WebAssembly, away from the page, which stays responsive.
 let api, data, shape, bases;
-const ENDS = { 6: "standstill", 7: "horizon", 8: "implausible", 9: "plant_failed", 10: "diverged", 11: "controller_failed" };
 
 async function inflate(text) {
   const packed = new Blob([Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0))]);
@@ -63,7 +62,7 @@ function run(number, settings) {
     const found = new Float64Array(api.memory.buffer, rows, count * width).slice();
     const text = new Uint8Array(api.memory.buffer, api.plant_message(), 1024);
     const message = new TextDecoder().decode(text.slice(0, text.indexOf(0)));
-    return { kind: law.kind, end: ENDS[end] ?? "plant_failed", message, time, seconds, rows: found, peaks: peaks(found) };
+    return { kind: law.kind, end: data.ends[end] ?? "plant_failed", message, time, seconds, rows: found, peaks: peaks(found) };
   } finally {
     memory.forEach(api.release);
   }
