@@ -2,14 +2,14 @@
 
     python tools/mutants.py --stops 'sine_sweep-*'
 
-Each mutant is a row of data: a file, its old text, the new text, and the meaning. It changes a copy of the sources in
-build/mutants, never the sources. A constant of the plant is changed as a parameter in the files of equipment: the same
-FMU with another value, which saves its compilation. The formation follows, and with it the values that control laws and
-predictions derive from it; the declaration in Modelica does not change. All other mutants change the text that contains
-the defect. Mutants of equations (mutants.toml) have a wrong sign or factor, or lack a term: in plant, in prediction, or
-in a function that both share; such a function must also fail a test that does not need table 1. Besides table 1, the
-accepted responses of the control laws in open loop may notice a mutant, and a stop whose FMU has another creep curve
-than its scenario is refused.
+Each mutant is a row of mutants.toml: a file, its old text, the new text, and the meaning. It changes a copy of the
+sources in build/mutants, never the sources. A constant of the plant is changed as a parameter in the files of
+equipment: the same FMU with another value, which saves its compilation. The formation follows, and with it the values
+that control laws and predictions derive from it; the declaration in Modelica does not change. All other mutants change
+the text that contains the defect. Mutants of equations have a wrong sign or factor, or lack a term: in plant, in
+prediction, or in a function that both share; such a function must also fail a test that does not need table 1. Besides
+table 1, the accepted responses of the control laws in open loop may notice a mutant, and a stop whose FMU has another
+creep curve than its scenario is refused.
 
 Copies stay in build/mutants, and stops of the same sources are not run again.
 """
@@ -22,13 +22,14 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from fnmatch import fnmatch
 from functools import partial
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -45,34 +46,27 @@ ROOT = Path(__file__).parents[1]
 PLACE = ROOT / "build/mutants"
 PACKAGES = ("estimators", "controllers", "fmus", "modelica")
 BASELINE = Path("tests/baselines/table1.toml")
-DATA = Path(__file__).with_suffix(".toml")
+DATA = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+MODELICA = ROOT / "modelica/RailBraking"
 PAGE = ROOT / "docs/regression.md"
 
-UNIFORM = "modelica/RailBraking/Vehicles/PartialUniformTrain.mo"
-TRAIN = "modelica/RailBraking/Vehicles/PartialTrain.mo"
-TWO_PART = "modelica/RailBraking/Vehicles/PartialTwoPartTrain.mo"
-VALVES = "modelica/RailBraking/Plants/TwoPartTrainPneumatic.mo"
 IDEAL = "harness/scenario/equipment/ideal.toml"
 SERVICE = "harness/scenario/equipment/service.toml"
-CURVE = "harness/scenario/creep_curves/dry.toml"
-NOISES = "estimators/noises.toml"
-LAWS = "controllers/laws"
 
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """Replace text that occurs in a file, everywhere or the first time."""
+    """Replace each occurrence of a text in a file."""
 
     file: str
     old: str
     new: str
-    everywhere: bool = False
 
     def apply(self, root: Path) -> None:
         """Apply it to a copy of the sources; if the old text does not exist, the row is wrong."""
         path = root / self.file
         before = path.read_text(encoding="utf-8")
-        after = before.replace(self.old, self.new, -1 if self.everywhere else 1)
+        after = before.replace(self.old, self.new)
         assert after != before, f"{self.file}: '{self.old}' is not there, or is no change"
         path.write_text(after, encoding="utf-8")
 
@@ -85,92 +79,27 @@ class Mutant:
     edits: tuple[Edit, ...]
 
 
-def constant(name: str, declared_in: str, factor: float = 1.01, *, only_valves: bool = False) -> Mutant:
-    """Return a mutant that changes a parameter of the plant, read from its declaration, in both kinds of equipment."""
-    text = (ROOT / declared_in).read_text(encoding="utf-8")
+def constant(name: str, declared_in: str, factor: float = 1.01, equipment: Sequence[str] = (IDEAL, SERVICE)) -> Mutant:
+    """Return a mutant that changes a parameter of the plant, read from its declaration, in files of equipment."""
+    text = (MODELICA / f"{declared_in}.mo").read_text(encoding="utf-8")
     found = re.search(rf"\b{name}(?:\([^)]*\))?\s*=\s*(\{{[\d., ]+\}}|[\d.e-]+)", text)
     assert found, f"{declared_in}: {name} has no number"
     values = [float(value) * factor for value in found[1].strip("{}").split(",")]
     value = repr(values) if found[1].startswith("{") else repr(values[0])
-    files = (SERVICE,) if only_valves else (IDEAL, SERVICE)
-    edits = tuple(Edit(file, '\nplant = "', f'\nparameters.{name} = {value}\nplant = "') for file in files)
+    edits = tuple(Edit(file, '\nplant = "', f'\nparameters.{name} = {value}\nplant = "') for file in equipment)
     return Mutant(f"plant: {name} {factor - 1:+.0%}", edits)
 
 
-def one(meaning: str, file: str, old: str, new: str, *, everywhere: bool = False) -> Mutant:
-    """Return a mutant of a single edit."""
-    return Mutant(meaning, (Edit(file, old, new, everywhere),))
-
-
-MUTANTS: tuple[Mutant, ...] = (
-    constant("c_drag", TRAIN),
-    constant("J", TWO_PART),
-    constant("k_primary", UNIFORM),
-    constant("c_primary", UNIFORM),
-    constant("m_wheelset", TWO_PART),
-    constant("m_unsprung", TWO_PART),
-    constant("m_frame", TWO_PART),
-    constant("h_rod", UNIFORM),
-    constant("r_rail", TRAIN),
-    constant("mu_bearing", TRAIN),
-    constant("e_rolling", TRAIN),
-    constant("A_piston", UNIFORM),
-    constant("F_spring", UNIFORM),
-    constant("speed_effect", UNIFORM),
-    constant("force_effect", UNIFORM),
-    constant("T_fill", VALVES, only_valves=True),
-    constant("T_vent", VALVES, only_valves=True),
-    constant("dead_vent", VALVES, 1.1, only_valves=True),
-    one("creep curve: k_A -1%", CURVE, "k_A = 1.0", "k_A = 0.99"),
-    one("creep curve: k_S +1%", CURVE, "k_S = 0.4", "k_S = 0.404"),
-    one("creep curve: A +1%", CURVE, "A = 0.4\n", "A = 0.404\n"),
-    one("creep curve: B +1%", CURVE, "B = 0.6", "B = 0.606"),
-    one("sensor: tooth pitch +10%", SERVICE, 'pitch_error = "0.3 %"', 'pitch_error = "0.33 %"'),
-    one("sensor: noise of speed +10%", SERVICE, 'noise = "0.1 m/s"', 'noise = "0.11 m/s"'),
-    one("sensor: noise of acceleration +10%", SERVICE, 'noise = "0.03 m/s**2"', 'noise = "0.033 m/s**2"'),
-    one("sensor: noise of deflection +10%", SERVICE, 'noise = "0.2 mm"', 'noise = "0.22 mm"'),
-    one("sensor: lag of pressure 1 ms longer", SERVICE, 'lag = "10 ms"', 'lag = "11 ms"'),
-    one("sensor: speed one sample later", SERVICE, 'latency = "50 ms"', 'latency = "60 ms"'),
-    one("sensor: speed 20 ms later", SERVICE, 'latency = "50 ms"', 'latency = "70 ms"'),
-    one(
-        "filter: process noise of adhesion, service, +10%", NOISES, "group_adhesion = 0.05 ", "group_adhesion = 0.055 "
-    ),
-    one("filter: process noise of adhesion, ideal, +10%", NOISES, "group_adhesion = 0.1 ", "group_adhesion = 0.11 "),
-    one(
-        "filter: process noise of pad friction +10%",
-        NOISES,
-        "pad_friction = 0.005",
-        "pad_friction = 0.0055",
-        everywhere=True,
-    ),
-    one("filter: noise of speed, service, +10%", NOISES, "speed = 0.1 ", "speed = 0.11 "),
-    one("filter: noise of wheel speed, service, +10%", NOISES, "wheelset_speed = 0.2 ", "wheelset_speed = 0.22 "),
-    one("adhesion_based, ideal: margin +10%", f"{LAWS}/adhesion_based.toml", "margin = 0.0097", "margin = 0.01067"),
-    one("adhesion_based, valves: margin +10%", f"{LAWS}/adhesion_based.toml", "margin = 0.011", "margin = 0.0121"),
-    one("adhesion_based, valves: rise +10%", f"{LAWS}/adhesion_based.toml", "rise = 0.033", "rise = 0.0363"),
-    one(
-        "adhesion_based: sign of margin",
-        f"{LAWS}/adhesion_based.py",
-        'a_rate - tuning["margin"]',
-        'a_rate + tuning["margin"]',
-    ),
-    one("slope_seeking: pull +10%", f"{LAWS}/slope_seeking.toml", "pull = 0.06", "pull = 0.066", everywhere=True),
-    one(
-        "two levels, valves, estimated: low +10%",
-        f"{LAWS}/slip_two_state.toml",
-        "[pneumatic.estimated]\nlow = 0.027",
-        "[pneumatic.estimated]\nlow = 0.0297",
-    ),
-    one("valves: band in which they hold +10%", "controllers/valves.py", "BAND = 6e3", "BAND = 6.6e3"),
-)
-
-
-def equations() -> tuple[Mutant, ...]:
-    """Return the mutants of equations in mutants.toml."""
-    rows = tomllib.loads(DATA.read_text(encoding="utf-8"))["equations"]
-    return tuple(
-        one(meaning, f"modelica/RailBraking/{file}.mo", old, new, everywhere=True) for meaning, file, old, new in rows
-    )
+def rows(data: Mapping[str, Any]) -> Iterator[Mutant]:
+    """Yield the mutants of mutants.toml."""
+    for name, declared_in in data["constants"]:
+        yield constant(name, declared_in)
+    for name, declared_in, factor in data["constants_of_valves"]:
+        yield constant(name, declared_in, factor, [SERVICE])
+    for meaning, file, old, new in data["edits"]:
+        yield Mutant(meaning, (Edit(file, old, new),))
+    for meaning, file, old, new in data["equations"]:
+        yield Mutant(meaning, (Edit(str((MODELICA / f"{file}.mo").relative_to(ROOT)), old, new),))
 
 
 def copied(place: Path) -> None:
@@ -225,7 +154,7 @@ def independent_check(mutant: Mutant) -> tuple[str, bool] | None:
     Returns the arguments of pytest and whether the test failed, as it should; None for mutants of other files. Call it
     after `noticed`, which makes the copy.
     """
-    checks = tomllib.loads(DATA.read_text(encoding="utf-8"))["checks"]
+    checks = DATA["checks"]
     file = mutant.edits[0].file.removeprefix("modelica/RailBraking/").removesuffix(".mo")
     if file not in checks:
         return None
@@ -356,7 +285,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     baseline_states = noticed(None, options.stops)
     if baseline_states:
         raise SystemExit(f"without any mutant the regression says {baseline_states}: accept or correct that first")
-    chosen = [mutant for mutant in (*MUTANTS, *equations()) if options.only in mutant.meaning]
+    chosen = [mutant for mutant in rows(DATA) if options.only in mutant.meaning]
     results: list[Result] = []
     with ThreadPoolExecutor(options.workers) as pool:
         for result in pool.map(partial(result_of, stops=options.stops, only_first=options.first), chosen):
