@@ -14,7 +14,7 @@ from railgrip.controllers.observation import Observation
 from railgrip.controllers.parameters import SEARCHED, Parameters, SlipSource, file_of, tuned_values
 from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, choose, within
 from railgrip.vehicle.brake import BRAKE, Brake, pressure_of
-from railgrip.vehicle.signals import OBSERVED, Signal
+from railgrip.vehicle.signals import OBSERVATION, Signal
 
 NOT_SEEN = float("nan")
 """Input of a law for an estimate that no component provides."""
@@ -85,7 +85,7 @@ NO_PARAMETERS = Tuning()
 class GroupObservation:
     """Symbols of a group's observation; `railgrip.controllers.observation.Observation` has their values.
 
-    The signals of `railgrip.vehicle.signals.OBSERVED` are attributes by their names.
+    The signals of `railgrip.vehicle.signals.OBSERVATION` are attributes by their names.
 
     Attributes:
         index: Number of the group as in FMI, 1 for the leading one.
@@ -118,7 +118,7 @@ def law(
     description: str,
     groups: int,
     demand_with: Callable[[FormulaBuilder], Demand],
-    observed: Sequence[Signal] = OBSERVED,
+    observed: Sequence[Signal] = OBSERVATION,
 ) -> SampledSystem:
     """Return the formula of a law that forms the demand of one group at a time.
 

@@ -332,10 +332,10 @@ def benefit_page() -> None:
 SIGNALS = {
     "Plant outputs": signals.PLANT,
     "Further plant outputs": signals.EXTRA,
-    "Plant inputs": signals.SENT,
+    "Plant inputs": signals.PLANT_INPUTS,
     "Plant inputs of a train with couplers on an uneven track": signals.CAR_TRACK_FORCE,
     "Plant inputs on a rail with several creep curves": signals.CURVE,
-    "Controller": signals.DEMANDED,
+    "Controller": signals.CONTROLLER_DEMAND,
     "Driver": signals.TABLE["driver"],
     "Readings": signals.READINGS,
     "Further readings": signals.EXTRA_READINGS,
@@ -357,7 +357,7 @@ def signals_page() -> None:
         "readings come from the sensors, and estimates from the estimator. The last table has the inputs of a control "
         "law: attributes of `rg.Observation`, and inputs of a controller FMU.",
         *(signal_section(title, group) for title, group in SIGNALS.items()),
-        signal_section("Observation of a controller", signals.OBSERVED),
+        signal_section("Observation of a controller", signals.OBSERVATION),
     )
 
 

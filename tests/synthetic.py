@@ -15,7 +15,7 @@ from railgrip.trace.metrics import measure
 from railgrip.trace.recorder import trace_of
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.formation import Formation
-from railgrip.vehicle.signals import ESTIMATES, PLANT, READINGS, SENT, layout_of
+from railgrip.vehicle.signals import ESTIMATES, PLANT, PLANT_INPUTS, READINGS, layout_of
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
@@ -97,7 +97,7 @@ def uniform_stop(speed=20.0, deceleration=1.0, period=0.01, estimates=True, end_
             "estimate_readings": 17.0,
         }
     signals |= changes
-    table = (*PLANT, *SENT, *READINGS, *(ESTIMATES if estimates else ()))
+    table = (*PLANT, *PLANT_INPUTS, *READINGS, *(ESTIMATES if estimates else ()))
     blocks = {}
     for signal in table:
         values = np.asarray(signals.get(signal.name, 0.0), dtype=float)

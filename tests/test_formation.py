@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railgrip.vehicle.formation import Formation, formation_of
-from railgrip.vehicle.signals import PLANT, READINGS, SENT, layout_of
+from railgrip.vehicle.signals import PLANT, PLANT_INPUTS, READINGS, layout_of
 
 COUNTS = st.lists(st.integers(1, 5), min_size=1, max_size=12).map(tuple)
 
@@ -27,7 +27,7 @@ def test_sums_over_groups_equal_those_by_membership(counts):
 def test_every_value_has_a_separate_index_in_a_layout(counts):
     layout = layout_of(Formation(counts))
     for columns, size, signals in (
-        (layout.input, layout.inputs, SENT),
+        (layout.input, layout.inputs, PLANT_INPUTS),
         (layout.output, layout.outputs, PLANT),
         (layout.reading, layout.readings, READINGS),
     ):

@@ -15,9 +15,9 @@ from railgrip.controllers.observation import Observation
 from railgrip.simulate.controller import controller_signals
 from railgrip.simulate.loop.loop import _formula
 from railgrip.vehicle import signals
-from railgrip.vehicle.signals import OBSERVED, TABLE, Signal, layout_of, names_of
+from railgrip.vehicle.signals import OBSERVATION, TABLE, Signal, layout_of, names_of
 
-EXTENDED = (*OBSERVED, Signal("lining_wear", "group", "m", "wear of the brake linings"))
+EXTENDED = (*OBSERVATION, Signal("lining_wear", "group", "m", "wear of the brake linings"))
 LAYOUT = layout_of(TWO_PART_TRAIN, observation=EXTENDED)
 
 
@@ -59,13 +59,13 @@ def test_a_new_row_is_on_the_reference_page(monkeypatch):
             super().close()
 
     monkeypatch.setattr(mkdocs_gen_files, "open", Page)
-    monkeypatch.setattr(signals, "OBSERVED", EXTENDED)
+    monkeypatch.setattr(signals, "OBSERVATION", EXTENDED)
     runpy.run_path(str(Path(__file__).parents[1] / "docs/generate.py"))
     assert "| `lining_wear` | group | m | wear of the brake linings |" in pages["reference/signals.md"]
 
 
 def test_a_law_with_swapped_inputs_is_refused():
-    first, second, *others = OBSERVED
+    first, second, *others = OBSERVATION
     swapped = Law(half((second, first, *others)), BRAKES, {})
     with pytest.raises(LoopError, match="takes acceleration as input 1, which is speed"):
         _formula(layout_of(TWO_PART_TRAIN), swapped, "observation")
@@ -77,12 +77,12 @@ def test_a_law_written_for_another_table_is_refused():
 
 
 def test_an_observation_has_the_rows_of_the_table():
-    assert sorted(Observation._fields) == sorted(["time", "slip_is_estimated", *(row.name for row in OBSERVED)])
+    assert sorted(Observation._fields) == sorted(["time", "slip_is_estimated", *(row.name for row in OBSERVATION)])
 
 
 def test_a_controller_fmu_has_the_rows_as_inputs():
     inputs, _ = controller_signals(4)
-    assert [(signal.name, signal.unit) for signal in inputs] == [(row.name, row.unit) for row in OBSERVED]
+    assert [(signal.name, signal.unit) for signal in inputs] == [(row.name, row.unit) for row in OBSERVATION]
 
 
 @pytest.mark.parametrize("role", TABLE)

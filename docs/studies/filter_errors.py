@@ -6,7 +6,7 @@ import numpy as np
 
 import railgrip as rg
 from railgrip.base.registry import shelf
-from railgrip.estimation.judge import rms
+from railgrip.estimation.judgement import rms
 from railgrip.report.baseline import Finding, mean
 from railgrip.scenario.file import merge
 from railgrip.scenario.load import read_toml

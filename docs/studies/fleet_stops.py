@@ -16,7 +16,7 @@ import xarray
 from railgrip.base.arrays import Matrix, Vector, generator
 from railgrip.campaign.work import work
 from railgrip.estimation.fleet import FleetEstimate, Hierarchy, StopEstimate, estimate_fleet
-from railgrip.estimation.judge import error_figures
+from railgrip.estimation.judgement import error_figures
 from railgrip.estimation.models import model_of
 from railgrip.recording.samples import period_of, reading_of, truth_of
 from railgrip.report.baseline import Finding, mean

@@ -45,7 +45,7 @@ import numpy as np
 import pandas as pd
 
 import railgrip as rg
-from railgrip.estimation.lateral.judge import adhesion
+from railgrip.estimation.lateral.run_measures import adhesion
 from railgrip.estimation.lateral.wheelset import (
     ALL_PLANTS,
     CONDITIONS,

@@ -17,8 +17,8 @@ from PIL import Image
 
 from railgrip.campaign.work import work
 from railgrip.estimation.lateral.information import errors_of_run, information
-from railgrip.estimation.lateral.judge import QUANTITIES, adhesion, beliefs_about, measure
 from railgrip.estimation.lateral.run import NAMES, LateralCase, Trace, simulate
+from railgrip.estimation.lateral.run_measures import QUANTITIES, adhesion, beliefs_about, measure
 from railgrip.estimation.lateral.wheelset import CONDITIONS, PLANTS, TESTS
 from railgrip.report import palette, statistics, style
 from railgrip.report.baseline import Finding

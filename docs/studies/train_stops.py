@@ -94,7 +94,7 @@ def filling_of(train: Train, trace: Any) -> Filling:
 
 # The trial RSSB T1107: two Class 387 of four cars, RIDC Melton 2017, brake step 3, sand all the way. Distances: Rail
 # Engineer, 12 February 2018.
-TRIAL_TRAIN, TRIAL_SPEED, DEMANDED, UNTREATED = "emu387", to_si("55 mph", "m/s"), 0.9, 0.02
+TRIAL_TRAIN, TRIAL_SPEED, DEMANDED_DECELERATION, UNTREATED = "emu387", to_si("55 mph", "m/s"), 0.9, 0.02
 """Train of the trial, its speed [m/s], demanded deceleration [m/s2], and friction of the untreated rail."""
 SAND = {"mu0": 0.2, "left": 0.9}
 """Assumed friction with plenty of sand, and share of the sand that each wheelset leaves."""
@@ -116,7 +116,7 @@ def demand() -> list[float]:
     """Return the pressure of each group with the demanded deceleration of the trial [Pa]."""
     train = load_train(Path(TRIAL_TRAIN))
     # Pad force, and with it the deceleration, is even in the pressure beyond that of the spring.
-    share = min(DEMANDED / by_hand(train, TRIAL_SPEED).deceleration, 1.0)
+    share = min(DEMANDED_DECELERATION / by_hand(train, TRIAL_SPEED).deceleration, 1.0)
     brakes = [train.bogie_of(group).brake for group in range(len(train.groups))]
     springs = [brake.spring_force / brake.piston_area for brake in brakes]
     return [spring + share * (brake.pressure_max - spring) for brake, spring in zip(brakes, springs, strict=True)]

@@ -162,7 +162,7 @@ def interpreter() -> list[str]:
 
 
 def tape(function: ca.Function) -> str:
-    """Return C code that interprets an expanded (SX) function, with the signature of `loops.looped`."""
+    """Return C code that interprets an expanded (SX) function, with the signature of `loops.with_loops`."""
     name, constants = function.name(), dict[str, int]()
     rows: list[str] = []
     for k in range(function.n_instructions()):

@@ -18,7 +18,7 @@ from railgrip.fmus.native.c_source import (
     table,
     tape,
 )
-from railgrip.fmus.native.loops import looped
+from railgrip.fmus.native.loops import with_loops
 from railgrip.fmus.native.structure import Loops
 from railgrip.fmus.native.system import WHEN, Assertion, System, column
 from railgrip.fmus.native.variables import Scalar, vector
@@ -324,5 +324,5 @@ def nominal(s: Scalar) -> float:
 def _model_functions(system: System, every: Iterable[ca.Function]) -> str:
     # Rare functions are interpreted, which compiles faster. With clocks f_event is not rare: each tick calls it.
     rare = RARE if system.clocks else RARE | {"f_event", "f_event_checks"}
-    texts = [tape(f) if f.name() in rare and fits(f) else looped(f) for f in every]
+    texts = [tape(f) if f.name() in rare and fits(f) else with_loops(f) for f in every]
     return "\n".join(["#include <math.h>", *interpreter(), *texts])

@@ -25,7 +25,7 @@ from railgrip.base.system import SampledSystem, Variable
 from railgrip.fmus.native.c_source import string_literal, table
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.description import Writer, document
-from railgrip.fmus.native.loops import looped
+from railgrip.fmus.native.loops import with_loops
 from railgrip.fmus.native.package import Source, c_identifier
 from railgrip.fmus.native.toolchain import WORD, Struct
 
@@ -105,7 +105,7 @@ def straight_step(name: str, step: ca.Function, sizes: Sequence[int]) -> str:
     every = [ca.SX.sym(argument, size) for argument, size in zip("xup", sizes, strict=True)]
     arguments = every[: step.n_in()]
     following, output = step.expand().call(arguments) if arguments else ([], [])
-    return looped(ca.Function(name, every, [ca.densify(following), ca.densify(output)], {"cse": True}))
+    return with_loops(ca.Function(name, every, [ca.densify(following), ca.densify(output)], {"cse": True}))
 
 
 def _code(system: SampledSystem, waits: int) -> str:

@@ -76,7 +76,7 @@ _Results = Mapping[_Source, Mapping[int, list[tuple[int, int]]]]
 """Source → number of a result → its elements and the members that they are."""
 
 
-def looped(function: ca.Function) -> str:
+def with_loops(function: ca.Function) -> str:
     """Return C code of an expanded (SX) function NAME: `static void NAME(const double **arg, double **res)`."""
     groups, results = _read(function)
     loops = _arrange(groups)

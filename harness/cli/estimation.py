@@ -16,7 +16,7 @@ from railgrip.base.records import adopt, claim, require_free
 from railgrip.cli.app import AsJson, ImportFrom, Overrides, complete, fail, print_json
 from railgrip.cli.library import write_schema
 from railgrip.estimation.inspection import inspect_recording
-from railgrip.estimation.judge import Judgement, judge
+from railgrip.estimation.judgement import Judgement, judge
 from railgrip.estimation.models import units_of
 from railgrip.estimation.results import errors_table, estimate_page, observe, parameters_table, with_estimates_as_truth
 from railgrip.estimation.sources import recording_of_estimation

@@ -8,7 +8,7 @@ only.
     from railgrip.recording.samples import recording_of
     from railgrip.estimation.models import of_class
     from railgrip.estimation.run import Settings, estimate
-    from railgrip.estimation.judge import judge
+    from railgrip.estimation.judgement import judge
 
     recorded = recording_of(
         {"pad_force": (force, "N"), "speed": (v, "m/s"), "wheelset_speed": (w, "rad/s")},

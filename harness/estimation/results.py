@@ -10,7 +10,7 @@ import xarray
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.names import ElementName
-from railgrip.estimation.judge import Judgement
+from railgrip.estimation.judgement import Judgement
 from railgrip.estimation.models import units_of
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import (

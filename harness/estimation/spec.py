@@ -45,7 +45,7 @@ from pydantic import Field, PrivateAttr, StrictBool, model_validator
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.names import ElementName, did_you_mean, state_name
-from railgrip.estimation.judge import check_estimates, check_signals
+from railgrip.estimation.judgement import check_estimates, check_signals
 from railgrip.estimation.models import DEFAULT, READ_STATES, Kind, PredictionModel, of_class, of_train, units_of
 from railgrip.estimation.run import Settings, estimate, estimate_several
 from railgrip.estimators.design import Gate

@@ -358,8 +358,8 @@ def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]
         line = before[:, None] + (after - before)[:, None] * np.arange(1, length + 1) / (length + 1)
         off = np.abs(values[inside] - line)
         # Two steps before and two after; a second spike close by takes part in two of them.
-        beside = np.sort(np.stack([steps[first + k] for k in (0, 1, 3 + length, 4 + length)]), axis=0)[1]
-        moving = np.maximum(beside, np.abs(after - before))
+        neighbours = np.sort(np.stack([steps[first + k] for k in (0, 1, 3 + length, 4 + length)]), axis=0)[1]
+        moving = np.maximum(neighbours, np.abs(after - before))
         spike = apart[inside] & (off > deviations * scale[inside]) & (off > _JUMP * moving[:, None])
         flags[inside[spike.all(axis=1)]] = True
     return flags

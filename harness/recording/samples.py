@@ -238,7 +238,8 @@ def _element(name: str) -> tuple[str, int | None]:
 @cache
 def _extents() -> dict[str, str]:
     return {
-        signal.name.removeprefix(READING): signal.extent for signal in (*tables.READINGS, *tables.SENT, *tables.PLANT)
+        signal.name.removeprefix(READING): signal.extent
+        for signal in (*tables.READINGS, *tables.PLANT_INPUTS, *tables.PLANT)
     }
 
 

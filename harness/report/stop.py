@@ -497,9 +497,9 @@ def _digest(content: Mapping[str, Any]) -> str:
 
 def others_like(directory: Path) -> str:
     """Return a clause that names results next to an empty folder: runs with its name and a digest."""
-    beside = sorted(path.parent for path in directory.parent.glob(f"{glob.escape(directory.name)}-*/{STOP_FILE}"))
-    more = f" and {len(beside) - 3} more" if len(beside) > 3 else ""
-    return f"; there is {', '.join(map(str, beside[:3]))}{more}" if beside else ""
+    others = sorted(path.parent for path in directory.parent.glob(f"{glob.escape(directory.name)}-*/{STOP_FILE}"))
+    more = f" and {len(others) - 3} more" if len(others) > 3 else ""
+    return f"; there is {', '.join(map(str, others[:3]))}{more}" if others else ""
 
 
 def read_stop(directory: Path) -> Stop:

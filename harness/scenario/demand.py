@@ -224,7 +224,7 @@ def driver_of(layout: Layout, demand: Demand, period: float, *, binding: bool, o
     return Driver(layout, period, full=full, release_pressure=release_pressure, phases=phases, binding=binding)
 
 
-def released(layout: Layout, count: int) -> Phases:
+def blank_phases(layout: Layout, count: int) -> Phases:
     """Return `count` phases without brake demand, traction and end."""
     phases = kernel(layout).records("Phase", count)
     for name, value in {"end": nan, "target": nan, "power": inf, "rate": inf}.items():
@@ -246,7 +246,7 @@ def phases_of(layout: Layout, demand: Demand, full: Sequence[float], origin: str
     """
     if demand.file is not None:
         return _phases_of_profile(layout, demand, full, f"{origin}: [demand] file {demand.file.entry}")
-    phases, rate = released(layout, len(demand.phases)), inf
+    phases, rate = blank_phases(layout, len(demand.phases)), inf
     for number, (row, phase) in enumerate(zip(phases, demand.phases, strict=True), start=1):
         if phase.until is not None:
             row["until"], row["end"] = _end(layout, phase.until.kind), phase.until.value
@@ -272,7 +272,7 @@ def _phases_of_profile(layout: Layout, demand: Demand, full: Sequence[float], wh
     times, pressures = columns.points, columns.values
     _require_pressures(pressures.shape[1], float(pressures.max()), full, where)
     pressures = np.minimum(pressures, full)
-    phases = released(layout, len(times) + 1)
+    phases = blank_phases(layout, len(times) + 1)
     phases["until"][:-1], phases["end"][:-1] = _end(layout, "time"), times
     phases["pressure"][0], phases["pressure"][1:] = pressures[0], pressures
     phases["begin"][1:-1] = times[:-1]

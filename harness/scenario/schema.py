@@ -107,7 +107,7 @@ class Scenario(Table):
     truth: Truth = optional(default=Truth())
 
     @model_validator(mode="after")
-    def _parties_fit(self) -> Self:
+    def _tables_fit_together(self) -> Self:
         if self.sanders and self.adhesion.sand is None:
             raise table_error("[[sanders]] needs [adhesion.sand], the effect of sand on friction: mu0, density, left")
         if self.demand is not None and self.controller.kind == "ideal_bound":

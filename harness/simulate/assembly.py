@@ -41,7 +41,15 @@ from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import over_the_rail
 from railgrip.trace.metrics import measure
 from railgrip.trace.recorder import Recorder
-from railgrip.vehicle.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRACTION, Signal, plant_inputs
+from railgrip.vehicle.signals import (
+    CONTROLLER_DEMAND,
+    DRIVER_DEMAND,
+    ESTIMATES,
+    REFERENCE,
+    TRACTION,
+    Signal,
+    plant_inputs,
+)
 
 _MAXIMUM_UTILISATION = 1.002
 """Used adhesion over that at the peak of the creep curve, beyond which the plant is wrong.
@@ -166,7 +174,7 @@ def assemble(
         _require_estimates(scenario, controller, estimates)
         _require_demand(scenario, commands_valves=commands_valves)
         states = law_states(controller)
-        of_controller = (*(() if commands_valves else DEMANDED), *(() if states is None else states.signals))
+        of_controller = (*(() if commands_valves else CONTROLLER_DEMAND), *(() if states is None else states.signals))
         signals = _signals(vehicle, of_controller, filter_, estimates)
         parts = Parts(
             layout=layout,
@@ -235,7 +243,7 @@ def _signals(
         *plant_inputs(layout, pneumatic=scenario.actuation.kind == "pneumatic"),
         *layout.signals["reading"],
         *of_controller,
-        *(DRIVEN if scenario.demand is not None else ()),
+        *(DRIVER_DEMAND if scenario.demand is not None else ()),
         *(TRACTION if scenario.has_traction else ()),
         *(REFERENCE if isinstance(filter_, StateEstimator) and filter_.free_wheel else ()),
         *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),

@@ -33,7 +33,7 @@ from railgrip.simulate.named_models import description_of_file, require_role, un
 from railgrip.simulate.vehicle_data import Opening, VehicleData, law_named
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.parameters import units_of_nominal_data
-from railgrip.vehicle.signals import DEMANDED, OBSERVED, ONLY_ESTIMATED, Signal, of_law
+from railgrip.vehicle.signals import CONTROLLER_DEMAND, OBSERVATION, ONLY_ESTIMATED, Signal, of_law
 
 _SPEED = 25.0  # m/s
 _DECELERATION = 1.0  # m/s2
@@ -124,7 +124,7 @@ def is_deaf(changes: NDArray[np.float64]) -> bool:
     return bool(np.all(np.abs(changes) < _LOWERED))
 
 
-_DECISIONS = (*DEMANDED, Signal("command", "group", "1", "command to the valves: -1 vent, 0 hold, 1 fill"))
+_DECISIONS = (*CONTROLLER_DEMAND, Signal("command", "group", "1", "command to the valves: -1 vent, 0 hold, 1 fill"))
 """Alternative outputs of a controller FMU."""
 
 
@@ -151,7 +151,7 @@ def _bindable(signals: Sequence[Signal], groups: int) -> tuple[fmi.Port, ...]:
 
 def controller_signals(groups: int) -> tuple[tuple[fmi.Port, ...], tuple[fmi.Port, ...]]:
     """Return the inputs that a controller FMU may have, and its alternative outputs, of which it has one."""
-    return _bindable(OBSERVED, groups), _bindable(_DECISIONS, groups)
+    return _bindable(OBSERVATION, groups), _bindable(_DECISIONS, groups)
 
 
 class ForeignController:
@@ -208,7 +208,7 @@ def binding_of(
     where = f"{scenario.name}: [controller.map]"
     if not table.map:
         require_role(description, "controller", f"{scenario.name}: [controller] file")
-    inputs = [signal for signal in OBSERVED if signal.name not in ONLY_ESTIMATED - {*estimates}]
+    inputs = [signal for signal in OBSERVATION if signal.name not in ONLY_ESTIMATED - {*estimates}]
     outputs = [signal for signal in _DECISIONS if signal.name in table.map] or _DECISIONS
     binding = bind(
         description,

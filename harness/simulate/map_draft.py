@@ -347,9 +347,9 @@ def _correct(draft: MappingDraft, run: Run, speed: float) -> MappingDraft:
             count = _doubt(after)
             if count < (_doubt(found) if best is None else best[0]):
                 best = count, factors, changed, after
-            wants_run = not factors.keys() <= trials[0].layout.output.keys()
+            needs_run = not factors.keys() <= trials[0].layout.output.keys()
             settled = not any(ElementName.of(f.signal).array in factors for f in after if not f.good)
-            if count == 0 or (wants_run and count < _doubt(found) and settled):
+            if count == 0 or (needs_run and count < _doubt(found) and settled):
                 break
         if best is None:
             break

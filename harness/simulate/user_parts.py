@@ -43,7 +43,7 @@ from railgrip.simulate.value_checks import PATIENCE, SMALLEST_RECOGNISED, SignCh
 from railgrip.vehicle.brake import BRAKE, Brake
 from railgrip.vehicle.formation import Extent, Formation
 from railgrip.vehicle.parameters import meanings_of_brakes
-from railgrip.vehicle.signals import ESTIMATES, EXTRA, EXTRA_READINGS, PLANT, READINGS, SENT, Layout
+from railgrip.vehicle.signals import ESTIMATES, EXTRA, EXTRA_READINGS, PLANT, PLANT_INPUTS, READINGS, Layout
 
 T = TypeVar("T")
 
@@ -512,7 +512,9 @@ class CustomPlant(_Adapter):
 
 
 _OF_TRAIN = frozenset(
-    s.name.removeprefix("reading_") for s in (*PLANT, *EXTRA, *READINGS, *EXTRA_READINGS, *SENT) if s.extent == "train"
+    s.name.removeprefix("reading_")
+    for s in (*PLANT, *EXTRA, *READINGS, *EXTRA_READINGS, *PLANT_INPUTS)
+    if s.extent == "train"
 )
 
 

@@ -80,8 +80,8 @@ from railgrip.vehicle.signals import (
     EXTRA,
     MAGNETS,
     PLANT,
+    PLANT_INPUTS,
     READINGS,
-    SENT,
     Layout,
     Signal,
     layout_of,
@@ -482,7 +482,7 @@ class VehicleData:
         readings = (*READINGS, *self.scenario.sensors.extra_readings(self.scenario, self.outputs))
         has_cars = any(ElementName.of(name).array == "car_track_force" for name in self.file.names("input"))
         cars = CAR_TRACK_FORCE if has_cars and not self.track_force.is_even else ()
-        sent = (*SENT, *cars, *(CURVE if several else ()), *self._demanded)
+        sent = (*PLANT_INPUTS, *cars, *(CURVE if several else ()), *self._demanded)
         return layout_of(self.nominal.formation, output=(*PLANT, *extra), reading=readings, input=sent)
 
     @property

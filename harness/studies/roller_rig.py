@@ -14,7 +14,7 @@ from typer import Option
 
 from railgrip.base.arrays import Mask
 from railgrip.campaign.work import Work
-from railgrip.estimation.judge import errors, judge, rms
+from railgrip.estimation.judgement import errors, judge, rms
 from railgrip.estimation.models import units_of
 from railgrip.estimation.run import by_name, estimate
 from railgrip.estimation.sources import recording_of_estimation

@@ -56,7 +56,7 @@ class Study(ABC):
     @property
     def name(self) -> str:
         """Name of the study, and of its folder of results in build/ by default."""
-        return type(self).__module__.removesuffix(".study").rpartition(".")[2]
+        return type(self).__module__.split(".")[2]
 
     @property
     def place(self) -> str:

@@ -245,9 +245,9 @@ class BrakingCurves:
             ends = [target.at for target in self.case.line.target if target.kind == "SvL"]
             upper.plot([start, *ends], [3.6 * speed] * 2, color=palette.BLACK, lw=1.0, label="release speed")
         style.dress(upper, y="speed [km/h]", title=f"{self.case.model.name}, line {self.case.line.name}")
-        beside = drawing.add_subplot(grid[0, 1])
-        beside.set_axis_off()
-        style.legend(beside, *upper.get_legend_handles_labels(), loc="upper left")
+        legend = drawing.add_subplot(grid[0, 1])
+        legend.set_axis_off()
+        style.legend(legend, *upper.get_legend_handles_labels(), loc="upper left")
         lower = drawing.add_subplot(grid[1, 0], sharex=upper)
         dashes = {"nominal": ":", "safe": "-", "full": "-."}
         for stop in self.stops:

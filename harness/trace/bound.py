@@ -62,9 +62,9 @@ def peak(contact: Contact, speed: Array, load: Array, mu0: Array, slips: Array =
     coarse = np.stack([force(np.full(speed.shape, point)) for point in grid[::2]])
     best = 2 * np.argmax(coarse[:-1], axis=0)
     around = [np.maximum(best - 1, 0), best, np.minimum(best + 1, last)]
-    beside = np.stack([force(grid[around[0]]), coarse[best // 2, every], force(grid[around[2]])])
-    nearest = np.argmax(beside, axis=0)
-    best, highest = np.stack(around)[nearest, every], beside[nearest, every]
+    candidates = np.stack([force(grid[around[0]]), coarse[best // 2, every], force(grid[around[2]])])
+    nearest = np.argmax(candidates, axis=0)
+    best, highest = np.stack(around)[nearest, every], candidates[nearest, every]
     low, high = grid[np.maximum(best - 1, 0)], grid[np.minimum(best + 1, last)]
     left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
     force_left, force_right = force(left), force(right)

@@ -19,13 +19,13 @@ from railgrip.base.files import write_bytes
 from railgrip.base.records import LARGEST_TRACE, read_bounded
 from railgrip.vehicle.formation import Formation, formation_of
 from railgrip.vehicle.signals import (
-    DEMANDED,
-    DRIVEN,
+    CONTROLLER_DEMAND,
+    DRIVER_DEMAND,
     ESTIMATES,
     EXTRA,
     PLANT,
+    PLANT_INPUTS,
     READINGS,
-    SENT,
     Signal,
     length,
     places,
@@ -125,7 +125,7 @@ _REQUIRED = ("speed", "distance", "mu0", "adhesion", _GROUPS)
 _DIMENSIONS = {
     **{
         signal.name: ("time",) if signal.extent == "train" else ("time", signal.extent)
-        for signal in (*PLANT, *EXTRA, *SENT, *DEMANDED, *DRIVEN, *READINGS, *ESTIMATES)
+        for signal in (*PLANT, *EXTRA, *PLANT_INPUTS, *CONTROLLER_DEMAND, *DRIVER_DEMAND, *READINGS, *ESTIMATES)
     },
     **dict.fromkeys(("peak_adhesion", "peak_slip"), ("time", "group")),
     **dict.fromkeys((_GROUPS, "wheelset_position", "car_of_wheelset"), ("wheelset",)),

@@ -85,7 +85,7 @@ EXTRA = (
 )
 """Outputs that follow those of `PLANT` in the trace of a plant that has them."""
 
-SENT = (
+PLANT_INPUTS = (
     Signal("command", "group", "1", "command to the plant: cylinder pressure [Pa] or valve (-1 vent, 0 hold, 1 fill)"),
     Signal("mu0", "wheelset", "1", "maximum friction at the wheelset"),
     Signal("track_force", "train", "N", "force of the track on the train, forward positive"),
@@ -95,7 +95,7 @@ SENT = (
 CAR_TRACK_FORCE = (
     Signal("car_track_force", "car", "N", "force of the track on each car less its share of track_force by mass"),
 )
-"""Input that follows those of `SENT` for a train with couplers on a track whose gradient or curvature changes."""
+"""Input that follows `PLANT_INPUTS` for a train with couplers on a track whose gradient or curvature changes."""
 
 CURVE = (
     Signal("curve_k_A", "wheelset", "1", "Polach's k_A of the creep curve at the wheelset"),
@@ -103,15 +103,15 @@ CURVE = (
     Signal("curve_A", "wheelset", "1", "friction at infinite slip speed over maximum friction, at the wheelset"),
     Signal("curve_B", "wheelset", "s/m", "decay of friction with slip speed, at the wheelset"),
 )
-"""Inputs that follow those of `SENT` on a rail with several creep curves."""
+"""Inputs that follow `PLANT_INPUTS` on a rail with several creep curves."""
 
 MAGNETS = (Signal("magnets", "train", "1", "demand for the magnetic track brakes: 1 lowered, 0 lifted"),)
-"""Input that follows those of `SENT` for a train that has them, unless it is an emergency brake from the start."""
+"""Input that follows `PLANT_INPUTS` for a train that has them, unless it is an emergency brake from the start."""
 
 BRAKE_DEMAND = (Signal("brake_demand", "train", "1", "brake demand of the driver: 0 released, 1 emergency brake"),)
 """Input that follows them for a train whose [command] carries a [demand] of the driver to the brakes."""
 
-DEMANDED = (Signal("demand", "group", "Pa", "brake cylinder pressure that the controller demands"),)
+CONTROLLER_DEMAND = (Signal("demand", "group", "Pa", "brake cylinder pressure that the controller demands"),)
 """Decisions of the controller; absent from the trace of a stop whose controller commands valves."""
 
 
@@ -127,7 +127,7 @@ def of_law(states: Iterable[tuple[str, str, str]]) -> tuple[Signal, ...]:
     )
 
 
-DRIVEN = (Signal("driver_demand", "group", "Pa", "brake cylinder pressure that the driver demands"),)
+DRIVER_DEMAND = (Signal("driver_demand", "group", "Pa", "brake cylinder pressure that the driver demands"),)
 """Demand of the driver; absent from the trace of a stop whose scenario has no [demand]."""
 
 TRACTION = (Signal("traction", "train", "N", "force of the traction, forward positive, a part of track_force"),)
@@ -162,7 +162,7 @@ EXTRA_READINGS = (
 )
 """Readings that follow those of `READINGS` in the trace if [sensors] requests them."""
 
-BELIEVED = (
+ESTIMATED_STATES = (
     Signal("estimate_speed", "train", "m/s", "estimated speed of the train"),
     Signal("estimate_wheelset_speed", "group", "rad/s", "estimated rotational speed of the wheelsets"),
     Signal("estimate_adhesion", "group", "1", "estimated adhesion"),
@@ -188,11 +188,11 @@ REFERENCE = (
 )
 """Replacement of a missing radar reading; absent from the trace of a stop whose estimator has no free_wheels."""
 
-ESTIMATES = (*BELIEVED, *DEVIATIONS, *INNOVATION, Signal("estimate_slip", "group", "1", "estimated slip"))
+ESTIMATES = (*ESTIMATED_STATES, *DEVIATIONS, *INNOVATION, Signal("estimate_slip", "group", "1", "estimated slip"))
 """Estimates; absent from the trace of a stop without an estimator."""
 
 
-OBSERVED = (
+OBSERVATION = (
     Signal("speed", "train", "m/s", "speed of the train"),
     Signal("acceleration", "train", "m/s2", "acceleration of the train, negative in braking"),
     Signal("slip", "group", "1", "slip 1 - r*omega/v of the group"),
@@ -207,9 +207,9 @@ OBSERVED = (
 ONLY_ESTIMATED = frozenset({"adhesion", "pad_friction"})
 """Signals of an observation that exist only if they are estimated."""
 
-_PRESSURE = OBSERVED[-1]
+_PRESSURE = OBSERVATION[-1]
 
-TRAIN_INPUTS = (*OBSERVED, *DEMANDED)
+TRAIN_INPUTS = (*OBSERVATION, *CONTROLLER_DEMAND)
 """Inputs of the decisions for the whole train over a law in Python."""
 
 VALVE_INPUTS = (Signal("demand", "group", "Pa", "demanded brake cylinder pressure"), _PRESSURE)
@@ -238,8 +238,8 @@ Role = Literal[
 
 TABLE: Final[Mapping[Role, tuple[Signal, ...]]] = MappingProxyType(
     {
-        "input": SENT, "output": PLANT, "reading": READINGS, "estimate": ESTIMATES, "observation": OBSERVED,
-        "driver": (*DRIVEN, *TRACTION), "train_input": TRAIN_INPUTS, "valve_input": VALVE_INPUTS,
+        "input": PLANT_INPUTS, "output": PLANT, "reading": READINGS, "estimate": ESTIMATES, "observation": OBSERVATION,
+        "driver": (*DRIVER_DEMAND, *TRACTION), "train_input": TRAIN_INPUTS, "valve_input": VALVE_INPUTS,
         "reference_input": REFERENCE_INPUTS, "reference": REFERENCE, "body_force_input": BODY_FORCE_INPUTS,
     }
 )  # fmt: skip

@@ -8,7 +8,7 @@ from railgrip.base.errors import InputError, ScenarioError
 from railgrip.campaign.work import work
 from railgrip.studies.estimators.recordings import require_one_of_each_name
 from railgrip.studies.type_test.entrants import Entrant, controller_digest, entrants_named
-from railgrip.studies.type_test.study import TypeTest
+from railgrip.studies.type_test.type_test_study import TypeTest
 
 
 @pytest.mark.parametrize("arguments", [("run", "plain", "--out"), ("report",)])

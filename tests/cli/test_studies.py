@@ -109,7 +109,7 @@ def test_studies_are_listed_with_a_summary(command):
 
 def test_every_study_is_named_after_its_module():
     for name in names():
-        assert study_named(name).__module__ in (f"railgrip.studies.{name}", f"railgrip.studies.{name}.study")
+        assert study_named(name).__module__ in (f"railgrip.studies.{name}", f"railgrip.studies.{name}.{name}_study")
 
 
 @pytest.mark.parametrize("name", names())

@@ -20,7 +20,7 @@ import railgrip
 from railgrip.base import registry
 from railgrip.cli.app import app
 from railgrip.trace.metrics import FIGURES
-from railgrip.vehicle.signals import ESTIMATES, EXTRA, OBSERVED, PLANT, READINGS, SENT
+from railgrip.vehicle.signals import ESTIMATES, EXTRA, OBSERVATION, PLANT, PLANT_INPUTS, READINGS
 
 ROOT = Path(__file__).parents[2]
 FREE = {"parameters", "map", "brakes", "calibrated", "noise", "bias"}
@@ -168,7 +168,7 @@ def test_every_key_of_the_estimations_of_the_library_is_described(site: Path):
 
 
 def test_every_signal_metric_curve_and_command_is_described(site: Path):
-    signals = {signal.name for signal in (*PLANT, *EXTRA, *SENT, *READINGS, *ESTIMATES, *OBSERVED)}
+    signals = {signal.name for signal in (*PLANT, *EXTRA, *PLANT_INPUTS, *READINGS, *ESTIMATES, *OBSERVATION)}
     assert signals <= _Page(site / "reference/signals.html").code
     assert FIGURES.keys() <= _Page(site / "reference/metrics.html").code
     assert registry.files(registry.CREEP_CURVES).keys() <= _Page(site / "reference/creep_curves.html").code

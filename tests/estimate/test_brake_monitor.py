@@ -7,7 +7,7 @@ from railgrip.recording.samples import reading_of, truth_of, with_signals
 from railgrip.report.style import save
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
 from railgrip.studies.pad_monitor.life import FIRST_SLOT, SLOT, Life, Release, live
-from railgrip.studies.pad_monitor.study import Assessment, assessment_of
+from railgrip.studies.pad_monitor.pad_monitor_study import Assessment, assessment_of
 from railgrip.studies.pad_monitor.watch import MonitorDesign, draw, group_names, stops_in, threshold_for, watch
 from railgrip.trace.recorder import FILE_NAME, write_trace
 

@@ -17,7 +17,7 @@ from wrong import words
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import unit
-from railgrip.estimation.judge import check_signals
+from railgrip.estimation.judgement import check_signals
 from railgrip.recording.faults import Flag, find_repeats, spikes, summary
 from railgrip.recording.read import FileRecording, input_on_grid, on_grid, read_recording
 from railgrip.recording.samples import reading_of, unit_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray
 
-from railgrip.estimation.judge import judge
+from railgrip.estimation.judgement import judge
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
 from railgrip.recording.samples import reading_of, recording_of, truth_of
 from railgrip.report.style import save

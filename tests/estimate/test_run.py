@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import expm
 
 from railgrip.base.errors import EstimationError, EstimatorError
-from railgrip.estimation.judge import judge
+from railgrip.estimation.judgement import judge
 from railgrip.estimation.models import of_class, units_of
 from railgrip.estimation.run import Settings, by_name, estimate
 from railgrip.recording.samples import recording_of

@@ -5,7 +5,7 @@ import pytest
 
 import railgrip as rg
 from railgrip.base.errors import ScenarioError
-from railgrip.estimation.judge import judge
+from railgrip.estimation.judgement import judge
 from railgrip.estimation.models import of_class, units_of
 from railgrip.estimation.run import estimate
 from railgrip.estimation.sources import recording_of_stop

@@ -15,7 +15,7 @@ from wrong import table
 
 from railgrip.base.errors import InputError
 from railgrip.campaign.work import work
-from railgrip.estimation.judge import judge
+from railgrip.estimation.judgement import judge
 from railgrip.estimation.models import model_of
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import estimate_of, load_specification
@@ -23,7 +23,7 @@ from railgrip.fmus.build import fmu
 from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.estimators import replay as own_replay
-from railgrip.studies.estimators.judge import (
+from railgrip.studies.estimators.case_errors import (
     BUDGET,
     TRUTH,
     available_errors,
@@ -37,6 +37,7 @@ from railgrip.studies.estimators.judge import (
     truths_of,
     write_factors,
 )
+from railgrip.studies.estimators.estimators_study import FACTORS_FILE, Estimators
 from railgrip.studies.estimators.recordings import (
     DEMANDS,
     FAMILIES,
@@ -64,7 +65,6 @@ from railgrip.studies.estimators.replay import (
     states,
     with_unmodelled,
 )
-from railgrip.studies.estimators.study import FACTORS_FILE, Estimators
 from railgrip.studies.estimators.tables import (
     SETTLED,
     by_family,
@@ -394,7 +394,7 @@ def test_the_search_never_returns_worse_factors(monkeypatch):
         count["evaluations"] += 1
         return sum(np.log(value / (3.0 if name == "all" else 1.0)) ** 2 for name, value in factors.items())
 
-    monkeypatch.setattr("railgrip.studies.estimators.judge.evaluate", cost)
+    monkeypatch.setattr("railgrip.studies.estimators.case_errors.evaluate", cost)
     factors = search(("fmu", "ideal", ()))
     assert factors == dict.fromkeys(FACTORS, 1.0) | {"all": 3.0}
     assert count["evaluations"] <= BUDGET
@@ -434,7 +434,7 @@ def test_factors_are_read_as_they_were_written(tmp_path):
 @pytest.mark.usefixtures("own_cache", "in_process")
 def test_a_search_of_one_estimator_keeps_the_noises_of_all_others(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("railgrip.studies.estimators.judge.BUDGET", 2)
+    monkeypatch.setattr("railgrip.studies.estimators.case_errors.BUDGET", 2)
     file = tmp_path / FACTORS_FILE
     file.parent.mkdir(parents=True)
     write_factors(file, {("fmu", "worn"): {"all": 2.0}, ("force_balance", "worn"): {"all": 2.0}})

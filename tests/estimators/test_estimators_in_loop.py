@@ -10,6 +10,7 @@ import railgrip as rg
 from railgrip.base.errors import InputError
 from railgrip.campaign.work import work
 from railgrip.simulate.run import run_stop
+from railgrip.studies.estimators.estimators_study import Estimators
 from railgrip.studies.estimators.loop import (
     ESTIMATES,
     LoopCase,
@@ -18,7 +19,6 @@ from railgrip.studies.estimators.loop import (
     scenario_of_case,
     stop_in_loop,
 )
-from railgrip.studies.estimators.study import Estimators
 from railgrip.studies.type_test.entrants import train_of
 
 

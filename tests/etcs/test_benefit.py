@@ -15,6 +15,7 @@ from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.load import read_toml
 from railgrip.scenario.surface import Sander
 from railgrip.studies.benefit import study as module
+from railgrip.studies.benefit.benefit_study import Benefit, chain_of, cost_table, gain_table, sentences_of
 from railgrip.studies.benefit.chain import (
     BASE,
     BenefitChain,
@@ -24,7 +25,6 @@ from railgrip.studies.benefit.chain import (
     weighted_quantile,
 )
 from railgrip.studies.benefit.line import LIBRARY, load_study_line, measures_of
-from railgrip.studies.benefit.study import Benefit, chain_of, cost_table, gain_table, sentences_of
 from railgrip.supervision import trains
 from railgrip.supervision.model import model_of
 from railgrip.trace.k_wet import k_wet

@@ -16,6 +16,7 @@ from railgrip.recording.samples import reading_of, truth_of, with_signals
 from railgrip.report.style import save
 from railgrip.rolling_stock.schema import load_train
 from railgrip.studies.field_test import figures, filtering
+from railgrip.studies.field_test.field_test_study import noise_table
 from railgrip.studies.field_test.figures import oscillation
 from railgrip.studies.field_test.filtering import (
     NOISES,
@@ -30,7 +31,6 @@ from railgrip.studies.field_test.filtering import (
 )
 from railgrip.studies.field_test.filtering import run as run_case
 from railgrip.studies.field_test.score import Search, common_factor, limits, score, terms_of, track_score, tune, value
-from railgrip.studies.field_test.study import noise_table
 
 
 @pytest.fixture(scope="module")

@@ -25,7 +25,7 @@ PERIOD = 1e-3
 MASS, INERTIA, RADIUS, BRAKE = 84e3, 6 * 111.0, 0.38, 6 * 1.9e3 / 1e5  # kg, kg.m2, m, N.m/Pa
 SHAPE = 1.5
 
-SENT = (
+PLANT_INPUTS = (
     Port(name="pressure_command", unit="Pa", size=4, needed=True),
     Port(name="mu0", unit="1", size=6, needed=True),
     Port(name="track_force", unit="N", size=0, needed=True),
@@ -54,7 +54,7 @@ def binding(foreign: Description) -> Binding:
     table = tomllib.loads(SCENARIO.read_text())["vehicle"]["map"]
     return bind(
         foreign,
-        inputs=SENT,
+        inputs=PLANT_INPUTS,
         outputs=ANSWERED,
         parameters=[Port(name="start_speed", unit="m/s", size=0, needed=True)],
         table=table,
@@ -144,7 +144,7 @@ def test_overbraked_wheels_lock_and_slide_at_the_end_of_the_curve(foreign: Descr
 
 def test_without_its_table_the_plant_is_refused_with_its_variables(foreign: Description):
     with pytest.raises(FmuError, match=r"no input 'pressure_command\[1\]'.*; it has demand\[1\], demand\[2\]"):
-        bind(foreign, inputs=SENT, outputs=ANSWERED, where="city.toml: [vehicle.map]")
+        bind(foreign, inputs=PLANT_INPUTS, outputs=ANSWERED, where="city.toml: [vehicle.map]")
 
 
 def test_its_scenario_runs_from_file_to_stop_in_a_separate_process(foreign: Description, tmp_path: Path):

@@ -10,14 +10,14 @@ from faulty_fmu import faulty_fmu
 from railgrip.fmi import CoSimulation, bind, describe
 from railgrip.simulate.bound_plant import plant_signals
 from railgrip.vehicle.formation import Formation
-from railgrip.vehicle.signals import CURVE, SENT, layout_of
+from railgrip.vehicle.signals import CURVE, PLANT_INPUTS, layout_of
 
 FORMATION = Formation((2, 1, 1, 2))
 
 
 @pytest.mark.parametrize("pneumatic", [False, True])
 @pytest.mark.parametrize(
-    "order", list(permutations((*SENT, CURVE[0]))), ids=lambda order: " ".join(s.name for s in order)
+    "order", list(permutations((*PLANT_INPUTS, CURVE[0]))), ids=lambda order: " ".join(s.name for s in order)
 )
 def test_inputs_have_the_indices_of_the_loops_vector(order, pneumatic):
     layout = layout_of(FORMATION, input=order)
@@ -46,6 +46,6 @@ def braked(file: Path, order) -> np.ndarray:
 def test_swapping_two_signals_does_not_change_the_braking(foundry: Path):
     """The same bytes: friction that arrived as pressure would not brake."""
     file = faulty_fmu(foundry)
-    plain, swapped = braked(file, SENT), braked(file, (SENT[1], SENT[0], SENT[2]))
+    plain, swapped = braked(file, PLANT_INPUTS), braked(file, (PLANT_INPUTS[1], PLANT_INPUTS[0], PLANT_INPUTS[2]))
     assert plain[-1, 1] < plain[0, 1] - 0.5, "the speed falls"
     assert plain.tobytes() == swapped.tobytes()

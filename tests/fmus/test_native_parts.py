@@ -25,7 +25,7 @@ from railgrip.fmus.native import c_source, code, equations, lower, package, tool
 from railgrip.fmus.native.c_source import LARGEST, MAX_ENTRIES, MAX_PRODUCTS, eliminate, fits, interpreter, tape
 from railgrip.fmus.native.code import LARGEST_INCLUDED, RUNTIME
 from railgrip.fmus.native.dae import read
-from railgrip.fmus.native.loops import LONGEST, looped
+from railgrip.fmus.native.loops import LONGEST, with_loops
 from railgrip.fmus.native.system import explicit
 
 LARGEST_REAL = sys.float_info.max
@@ -143,7 +143,7 @@ def played(function, prelude, code, given):
 
 
 @pytest.mark.parametrize("values", [(2.5, 1.75), (1.75, 2.5), (0.5, -1.25)])
-@pytest.mark.parametrize(("prelude", "write"), [(interpreter(), tape), ([], looped)], ids=["tape", "loops"])
+@pytest.mark.parametrize(("prelude", "write"), [(interpreter(), tape), ([], with_loops)], ids=["tape", "loops"])
 def test_generated_c_computes_the_same_as_casadi(prelude, write, values):
     """Every operation on both sides of its branches, compared bit by bit with CasADi's own evaluation."""
     x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
@@ -175,7 +175,7 @@ def orbit_of(steps):
 
 def test_a_long_function_is_split_into_parts_that_pass_on_their_values():
     function, expected = orbit_of(LONGEST)
-    code = looped(function)
+    code = with_loops(function)
     assert code.count("static void f_orbit") > function.n_instructions() // LONGEST
     for result, values in zip(played(function, [], code, [np.array([0.3])]), expected, strict=True):
         np.testing.assert_array_equal(result, values)
@@ -202,7 +202,7 @@ def chain_of(n):
 def test_loops_over_equal_parts_compute_the_same_as_casadi(n):
     function, random = chain_of(n), np.random.default_rng(n)
     given = [random.uniform(-2, 2, n), random.uniform(-2, 2, n), np.array([0.7])]
-    found = played(function, [], looped(function), given)
+    found = played(function, [], with_loops(function), given)
     for result, expected in zip(found, function(*given), strict=True):
         np.testing.assert_array_equal(result, np.asarray(expected).ravel())
 
@@ -211,7 +211,7 @@ def test_code_of_more_equal_parts_differs_only_in_its_tables():
     """Only the sum over all wagons has an operation more for each wagon."""
     lengths = []
     for n in (10, 20, 40):
-        lines = [line for line in looped(chain_of(n)).splitlines() if "_places[]" not in line]
+        lines = [line for line in with_loops(chain_of(n)).splitlines() if "_places[]" not in line]
         lengths.append(len(lines))
     # The table of parts and the parts themselves grow with the sum, by one line a wagon.
     assert lengths[2] - lengths[1] <= 1.2 * 20
@@ -239,7 +239,7 @@ def test_loops_compute_what_casadi_computes():
     random = np.random.default_rng(0)
     functions = [random_function(f"f{k}_", random) for k in range(100)]
     runs = [f"{EXPORTED} void run{k}(const double **a, double **r) {{ f{k}_(a, r); }}" for k in range(100)]
-    text = "\n".join(["#include <math.h>", *map(looped, functions), *runs])
+    text = "\n".join(["#include <math.h>", *map(with_loops, functions), *runs])
     library = ctypes.CDLL(str(toolchain.shared_library({"model.c": text}, "model", flags=["-O1"])))
     x = np.array([0.3, -1.25, 2.0, 0.75, -0.5, 1.5])
     for k, function in enumerate(functions):
@@ -247,7 +247,7 @@ def test_loops_compute_what_casadi_computes():
         library[f"run{k}"]((POINTER * 1)(at(x)), (POINTER * 2)(*map(at, found)))
         for result, expected in zip(found, function(x), strict=True):
             np.testing.assert_array_equal(result, np.asarray(expected).ravel(), err_msg=f"function {k}")
-    assert sum("for (int k = 0; k < " in line for f in functions for line in looped(f).splitlines()) > 200
+    assert sum("for (int k = 0; k < " in line for f in functions for line in with_loops(f).splitlines()) > 200
 
 
 def test_units_that_are_compiled_at_the_same_time_give_the_same_library_each_time():

@@ -7,7 +7,6 @@ import pytest
 from railgrip.base.errors import EstimatorError, FmuError
 from railgrip.estimation.lateral import run
 from railgrip.estimation.lateral.information import errors_of_filter
-from railgrip.estimation.lateral.judge import beliefs_about, measure
 from railgrip.estimation.lateral.run import (
     INTEGRALS,
     NAMES,
@@ -19,6 +18,7 @@ from railgrip.estimation.lateral.run import (
     prediction,
     simulate,
 )
+from railgrip.estimation.lateral.run_measures import beliefs_about, measure
 from railgrip.estimation.lateral.wheelset import (
     DRY,
     INPUTS,

@@ -8,8 +8,8 @@ import pytest
 from scipy.stats import norm
 
 from railgrip.base.errors import EstimatorError
-from railgrip.estimation.lateral.judge import QUANTITIES
 from railgrip.estimation.lateral.run import NAMES
+from railgrip.estimation.lateral.run_measures import QUANTITIES
 from railgrip.estimators.rail import UNDECIDED, ConditionDetector, confusion
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}

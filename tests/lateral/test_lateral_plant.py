@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from railgrip.estimation.lateral.judge import adhesion
+from railgrip.estimation.lateral.run_measures import adhesion
 from railgrip.estimation.lateral.wheelset import (
     COLUMNS,
     CONDITIONS,

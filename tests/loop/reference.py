@@ -12,7 +12,7 @@ from synthetic import LAYOUT
 from railgrip.base.errors import PlantFailed
 from railgrip.controllers.observation import Observation
 from railgrip.scenario.outcome import Outcome
-from railgrip.vehicle.signals import BELIEVED, DEVIATIONS, INNOVATION
+from railgrip.vehicle.signals import DEVIATIONS, ESTIMATED_STATES, INNOVATION
 
 AT, READ = LAYOUT.output, LAYOUT.reading
 
@@ -68,7 +68,7 @@ def brake(parts):
         if belief:
             mean, variance = belief.filter.mean, np.diagonal(belief.filter.covariance)
             of_groups = [belief.wheelset_speed, belief.adhesion, belief.pad_friction]
-            recorder.rows[k, recorder.block(BELIEVED)] = mean[np.concatenate([[belief.speed], *of_groups])]
+            recorder.rows[k, recorder.block(ESTIMATED_STATES)] = mean[np.concatenate([[belief.speed], *of_groups])]
             recorder.rows[k, recorder.block(DEVIATIONS)] = np.sqrt(variance[np.concatenate(of_groups[1:])])
             recorder.rows[k, recorder.block(INNOVATION)] = innovation
         if is_due(k, clock.controller):

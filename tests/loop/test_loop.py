@@ -57,7 +57,7 @@ class Constant:
 
 def brake(plant, *, sensors=None, estimator=None, samples=5000, every=1):
     recorder = Recorder(
-        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if estimator else ())),
+        (*signals.PLANT, *signals.PLANT_INPUTS, *signals.READINGS, *(signals.ESTIMATES if estimator else ())),
         TWO_PART_TRAIN,
         samples + 1,
     )

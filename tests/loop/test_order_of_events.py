@@ -206,8 +206,8 @@ def parts_of(
 ):  # fmt: skip
     recorder = Recorder(
         (
-            *(*signals.PLANT, *signals.SENT, *signals.READINGS, *signals.DEMANDED),
-            *(() if phases is None else signals.DRIVEN),
+            *(*signals.PLANT, *signals.PLANT_INPUTS, *signals.READINGS, *signals.CONTROLLER_DEMAND),
+            *(() if phases is None else signals.DRIVER_DEMAND),
             *(signals.ESTIMATES if filter_ else ()),
         ),
         TWO_PART_TRAIN,

@@ -11,8 +11,8 @@ from railgrip.api import Scenario
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.courses import used_by_wheelset, used_table
 from railgrip.studies.papers.pages import measures_of
+from railgrip.studies.papers.papers_study import PAGE
 from railgrip.studies.papers.printed import FILTERS, deflection_table
-from railgrip.studies.papers.study import PAGE
 
 PROJECT = Path(__file__).parents[2]
 

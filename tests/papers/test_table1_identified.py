@@ -16,7 +16,7 @@ from railgrip.scenario.campaign import load_campaign
 from railgrip.simulate.run import trace_of
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.papers.pages import FOLDER, measures_of
-from railgrip.studies.papers.study import (
+from railgrip.studies.papers.papers_study import (
     FITS,
     IDENTIFIED,
     LAWS,

@@ -19,7 +19,7 @@ from railgrip.studies.papers.courses import (
     violations_table,
 )
 from railgrip.studies.papers.creep_curves import causes, figure_1, rails
-from railgrip.studies.papers.study import (
+from railgrip.studies.papers.papers_study import (
     IDENTIFIED,
     LAWS,
     adhesion_figure,

@@ -24,7 +24,7 @@ from railgrip.simulate.assembly import assemble
 from railgrip.simulate.estimator import body_force_of
 from railgrip.simulate.export.c_parts import part_in_c
 from railgrip.simulate.run import trace_of
-from railgrip.studies.stop_at_target.study import LIBRARY, MANAGED, scenario_of_case
+from railgrip.studies.stop_at_target.stop_at_target_study import LIBRARY, MANAGED, scenario_of_case
 
 SPEEDS = (55.0, 30.0, 17.0, 8.0, 1.0)
 

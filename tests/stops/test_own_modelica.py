@@ -18,7 +18,7 @@ from railgrip.simulate.named_models import is_trusted, plant_description
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.recorder import Recorder
-from railgrip.vehicle.signals import PLANT, SENT
+from railgrip.vehicle.signals import PLANT, PLANT_INPUTS
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -232,7 +232,7 @@ def test_the_valve_predictor_and_the_tracking_bound_use_the_valves_of_the_plant(
     assert sum(quantity.name.startswith("under_way[1,") for quantity in logic.formula.states) == 100
     assert other.nominal.valves == {"T_fill": 0.6, "T_vent": 0.5, "dead_fill": 0.09, "dead_vent": 0.11}
     assert other.true.valves == {"T_fill": 0.8, "T_vent": 0.5, "dead_fill": 0.09, "dead_vent": 0.12}
-    recorder = Recorder((*PLANT, *SENT), slow.formation, 2)
+    recorder = Recorder((*PLANT, *PLANT_INPUTS), slow.formation, 2)
     assert (_Tracking(slow, recorder)._rail.time, _Tracking(other, recorder)._rail.time) == (0.11, 0.12)
 
 

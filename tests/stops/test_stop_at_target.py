@@ -8,7 +8,7 @@ import pytest
 from railgrip.base.errors import ScenarioError
 from railgrip.simulate.export.c_parts import part_in_c
 from railgrip.simulate.run import trace_of
-from railgrip.studies.stop_at_target.study import (
+from railgrip.studies.stop_at_target.stop_at_target_study import (
     DECELERATION,
     LIBRARY,
     MANAGED,

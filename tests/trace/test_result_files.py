@@ -20,7 +20,7 @@ from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import run_stop
 from railgrip.trace.recorder import Recorder, read_trace, require_stop, thin, write_trace
-from railgrip.vehicle.signals import PLANT, SENT
+from railgrip.vehicle.signals import PLANT, PLANT_INPUTS
 
 COARSE = load(
     LIBRARY / "trapezoid.toml", [f"periods.{who}=10 ms" for who in ("communication", "estimator", "controller")]
@@ -33,7 +33,7 @@ def stop():
 
 
 def test_rows_of_the_loop_equal_the_trace():
-    recorder = Recorder((*PLANT, *SENT), TWO_PART_TRAIN, capacity=10)
+    recorder = Recorder((*PLANT, *PLANT_INPUTS), TWO_PART_TRAIN, capacity=10)
     recorder.rows[:5] = np.nan
     recorder.rows[3, recorder.at["speed"]] = 12.5
     recorder.rows[3, recorder.columns["slip"]] = [0.1, 0.2, 0.3, 0.4]

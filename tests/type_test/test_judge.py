@@ -14,7 +14,7 @@ from railgrip.report.limits import limits_of
 from railgrip.report.stop import Stop
 from railgrip.scenario.outcome import Outcome
 from railgrip.studies.type_test.entrants import Entrant
-from railgrip.studies.type_test.judge import judgements, measure, plain_rows, summaries
+from railgrip.studies.type_test.stop_frames import judgements, measure, plain_rows, summaries
 from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import utilisation as utilisation_of
 from railgrip.trace.metrics import FIGURES, Metrics

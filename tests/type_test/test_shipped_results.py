@@ -12,8 +12,8 @@ from railgrip.studies.type_test import design
 from railgrip.studies.type_test.case_set import case_named
 from railgrip.studies.type_test.design import CASES, SMALL, cases
 from railgrip.studies.type_test.entrants import LIBRARY, Entrant, campaign_of, entrants, train_of
-from railgrip.studies.type_test.judge import judgements, read_shipped, write_shipped
 from railgrip.studies.type_test.page import page_of
+from railgrip.studies.type_test.stop_frames import judgements, read_shipped, write_shipped
 
 TRAIN = train_of(None)
 DOCUMENTATION = Path(__file__).parents[2] / "docs/type_test.md"

@@ -9,8 +9,8 @@ from railgrip.report.limits import limits_of
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import entrants
 from railgrip.studies.type_test.family import losses_of, rail_of, recommendation, verdict
-from railgrip.studies.type_test.judge import frame_of_rows, judgements
 from railgrip.studies.type_test.page import ranked
+from railgrip.studies.type_test.stop_frames import frame_of_rows, judgements
 from railgrip.studies.type_test.track_case import TABLE_1
 
 DESIGN = VERSIONS[2].design(360, VERSIONS[2].test)

@@ -25,9 +25,8 @@ from railgrip.studies.type_test.entrants import (
     training_cases,
 )
 from railgrip.studies.type_test.family import AXES, FEWEST, families, losses
-from railgrip.studies.type_test.judge import digest_of, frame_of_rows, judgements, read_shipped, summaries
 from railgrip.studies.type_test.page import page_of
-from railgrip.studies.type_test.study import TypeTest
+from railgrip.studies.type_test.stop_frames import digest_of, frame_of_rows, judgements, read_shipped, summaries
 from railgrip.studies.type_test.track_case import (
     CLEANING,
     FASTEST,
@@ -38,6 +37,7 @@ from railgrip.studies.type_test.track_case import (
     RAILS,
     TRAINS,
 )
+from railgrip.studies.type_test.type_test_study import TypeTest
 
 SECOND = VERSIONS[2]
 CASES = SECOND.draw(SECOND.count, SECOND.test)

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.units import GRAVITY
-from railgrip.estimation.judge import NORMAL_95, rms
-from railgrip.estimation.lateral.judge import WINDOW, time_since_change
+from railgrip.estimation.judgement import NORMAL_95, rms
 from railgrip.estimation.lateral.run import (
     CLASSES,
     EVERY,
@@ -21,6 +20,7 @@ from railgrip.estimation.lateral.run import (
     prediction,
     simulate,
 )
+from railgrip.estimation.lateral.run_measures import WINDOW, time_since_change
 from railgrip.estimation.lateral.wheelset import (
     ALL_PLANTS,
     CONDITIONS,

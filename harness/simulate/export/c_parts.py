@@ -27,13 +27,13 @@ from railgrip.simulate.loop.loop import Loop, Structs
 from railgrip.simulate.sensors.ideal import IdealSensors
 from railgrip.simulate.sensors.service import ServiceSensors
 from railgrip.simulate.sensors.white import WhiteSensors
-from railgrip.vehicle.signals import BELIEVED, DRIVEN, OBSERVED, Layout, Role, Signal, names_of
+from railgrip.vehicle.signals import DRIVER_DEMAND, ESTIMATED_STATES, OBSERVATION, Layout, Role, Signal, names_of
 
 Kind = Literal["onboard", "estimator", "sensors", "track"]
 """onboard: from readings and the driver's demand to commands; track: the rail and the driver."""
 
 _UNITS = ("onboard.c", "sensors.c", "rail.c", "driver.c", "exported.c")
-_ESTIMATED = tuple(signal for signal in OBSERVED if signal.name != "driver_demand")
+_ESTIMATED = tuple(signal for signal in OBSERVATION if signal.name != "driver_demand")
 """Signals of an observation that an estimator outputs."""
 
 
@@ -89,7 +89,7 @@ def readings_of(scenario: Scenario) -> NDArray[np.float64]:
         rows = recorder.rows[: recorder.written]
         demand = np.tile(parts.full, (len(rows), 1))
         if parts.driver is not None:
-            demand = rows[:, recorder.block(DRIVEN)]
+            demand = rows[:, recorder.block(DRIVER_DEMAND)]
         return np.hstack([rows[:, recorder.block(parts.layout.signals["reading"])], demand])
 
 
@@ -108,10 +108,10 @@ def write_library(scenario: Scenario, folder: Path) -> Iterator[Path]:
     units = (f"{name}.c", *system.step.units)
     names = ",".join(variable.name for variable in system.inputs)
     rows = "\n".join(",".join(map(repr, row)) for row in readings_of(scenario).tolist())
-    beside = {f"{name}.h": files[f"{name}.h"], "worst_case.c": files["worst_case.c"]}
-    beside["readings.csv"] = f"{names}\n{rows}\n"
-    contents = {folder / file: text.encode() for file, text in beside.items()}
-    contents |= {folder / "sources" / file: text.encode() for file, text in files.items() if file not in beside}
+    other_files = {f"{name}.h": files[f"{name}.h"], "worst_case.c": files["worst_case.c"]}
+    other_files["readings.csv"] = f"{names}\n{rows}\n"
+    contents = {folder / file: text.encode() for file, text in other_files.items()}
+    contents |= {folder / "sources" / file: text.encode() for file, text in files.items() if file not in other_files}
     contents[folder / "sources" / f"{name}.h"] = contents[folder / f"{name}.h"]
     contents[folder / f"lib{name}.a"] = static_library(files, name, units=units, flags=FMU_FLAGS)
     claim(folder, *(file.relative_to(folder).as_posix() for file in contents))
@@ -232,7 +232,7 @@ def _track(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
     shown = _of(sent, layout, np.delete(starts, np.arange(layout.inputs)[layout.input["command"]]))
     return _Role(
         given=given,
-        shown=(*shown, *_of(DRIVEN, parts.layout, parts.full)),
+        shown=(*shown, *_of(DRIVER_DEMAND, parts.layout, parts.full)),
         struct=structs.cycle.copy_with(
             "rail", "driver", "period", plant=_plant_data(layout, structs), onboard=structs.onboard.copy_with("full")
         ),
@@ -308,7 +308,7 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
             "FMU of the onboard part does not tell its filter; choose another controller, or a train without them"
         )
     formulas["onboard->law"] = law
-    given = [*_of(parts.layout.signals["reading"], parts.layout), *_of(DRIVEN, parts.layout, parts.full)]
+    given = [*_of(parts.layout.signals["reading"], parts.layout), *_of(DRIVER_DEMAND, parts.layout, parts.full)]
     parameters = law_parameters(law, given)
     commands = started_at(law.formula.outputs)
     if valves is not None:
@@ -319,7 +319,7 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
     struct.target("onboard").set(
         **{name: kernel(parts.layout).struct("Formula", state=formula.state) for name, formula in onboard.items()}
     )
-    states = BELIEVED if parts.estimator is not None else ()
+    states = ESTIMATED_STATES if parts.estimator is not None else ()
     return _Role(
         given=given,
         shown=[*commands, *_of(states, parts.layout)],

@@ -25,10 +25,10 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.loop.interfaces import BLOCK, DirectEstimator, LoopSensors, Parts, SensorsInC, StateEstimator
 from railgrip.vehicle.brake import slip_of
 from railgrip.vehicle.signals import (
-    BELIEVED,
     DEVIATIONS,
+    ESTIMATED_STATES,
     ESTIMATES,
-    OBSERVED,
+    OBSERVATION,
     ONLY_ESTIMATED,
     Layout,
     Role,
@@ -100,7 +100,7 @@ def _filter(parts: Parts) -> Struct | None:
     filter_ = estimator.filter
     reference = np.zeros(length(layout.places["reference"]))
     reference[layout.places["reference"]["speed"]] = np.nan
-    states = [getattr(estimator, signal.name.removeprefix("estimate_")) for signal in BELIEVED]
+    states = [getattr(estimator, signal.name.removeprefix("estimate_")) for signal in ESTIMATED_STATES]
     struct = kernel(layout).struct("Filter", mean=filter_.mean, covariance=filter_.covariance,
         stride=filter_.covariance.strides[0] // filter_.covariance.itemsize, inputs=filter_.inputs,
         readings=filter_.readings, selection=filter_.selection, squared_innovation=np.zeros(1), reference=reference,
@@ -410,7 +410,7 @@ def _observer(structs: Structs, parts: Parts, provided: frozenset[str]) -> Calla
     template: list[Any] = [constants.get(name) for name in Observation._fields]
     time = Observation._fields.index("time")
     scalars, vectors = list[tuple[int, int]](), list[tuple[int, slice]]()
-    for signal in OBSERVED:
+    for signal in OBSERVATION:
         field, place = Observation._fields.index(signal.name), parts.layout.places["observation"][signal.name]
         if signal.extent == "train":
             scalars.append((field, place.start))

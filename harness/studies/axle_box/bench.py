@@ -11,7 +11,7 @@ import pandas
 
 from railgrip.base.arrays import generator
 from railgrip.campaign.work import Work, call
-from railgrip.estimation.judge import error_figures
+from railgrip.estimation.judgement import error_figures
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.learned.network import QUANTILE, Ensemble
 from railgrip.report.statistics import bootstrap_interval

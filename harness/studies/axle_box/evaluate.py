@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from railgrip.base.arrays import generator
-from railgrip.estimation.judge import rms
+from railgrip.estimation.judgement import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.network import Bias, Ensemble, Network, train
 from railgrip.estimators.learned.preprocessing import COMBINATIONS, Scale

@@ -24,7 +24,7 @@ from scipy.signal import butter, lfilter, sosfilt
 
 from railgrip.base.arrays import generator
 from railgrip.campaign.work import Work
-from railgrip.estimation.judge import rms
+from railgrip.estimation.judgement import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.preprocessing import (
     BLOCKS,

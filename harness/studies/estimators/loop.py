@@ -27,7 +27,7 @@ from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.studies.estimators.replay import OUTLIER_LIMITS, entry_of, noise_of
 from railgrip.studies.type_test.case_set import VERSIONS
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of
-from railgrip.studies.type_test.judge import EQUAL
+from railgrip.studies.type_test.stop_frames import EQUAL
 from railgrip.studies.type_test.track_case import TrackCase
 from railgrip.vehicle.signals import Layout
 

@@ -9,9 +9,9 @@ from typing import Any, Final, Literal
 import numpy as np
 import pandas
 
-from railgrip.estimation.judge import error_figures, rms
-from railgrip.estimation.lateral.judge import beliefs_about
+from railgrip.estimation.judgement import error_figures, rms
 from railgrip.estimation.lateral.run import STIFFNESS_NAMES, LateralCase, bound_of_run, simulate
+from railgrip.estimation.lateral.run_measures import beliefs_about
 from railgrip.estimation.lateral.wheelset import TESTS
 from railgrip.estimation.run import context_of, filter_data, run_kind
 from railgrip.estimation.sources import recording_of_estimation
@@ -21,7 +21,7 @@ from railgrip.recording.samples import period_of, truth_of
 from railgrip.report.frame import Frame, groups_of
 from railgrip.report.statistics import bootstrap_interval, median_interval, on_common, rank
 from railgrip.report.table import Form, ReportTable, share
-from railgrip.studies.estimators.judge import CaseBound
+from railgrip.studies.estimators.case_errors import CaseBound
 from railgrip.studies.estimators.recordings import FAMILIES
 from railgrip.studies.estimators.replay import CONSTANT, FORCE_BALANCE, bound_along, columns, entry_of
 

@@ -19,7 +19,7 @@ from scipy.stats import qmc
 
 from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.campaign.work import Work, call
-from railgrip.estimation.judge import rms
+from railgrip.estimation.judgement import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.recording.samples import reading_of, truth_of

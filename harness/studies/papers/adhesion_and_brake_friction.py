@@ -13,7 +13,7 @@ from matplotlib.patches import Circle, Rectangle
 from scipy.ndimage import uniform_filter1d
 
 from railgrip.base.arrays import Vector
-from railgrip.estimation.judge import errors
+from railgrip.estimation.judgement import errors
 from railgrip.recording.samples import period_of, reading_of, truth_of
 from railgrip.report import palette, style
 from railgrip.report.table import ReportTable

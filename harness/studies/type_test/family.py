@@ -16,7 +16,7 @@ from railgrip.base import registry
 from railgrip.report.frame import Frame, groups_of
 from railgrip.report.statistics import endless, quantile
 from railgrip.report.table import ReportTable, names, share
-from railgrip.studies.type_test.judge import EQUAL, over_best, statistics_of
+from railgrip.studies.type_test.stop_frames import EQUAL, over_best, statistics_of
 from railgrip.studies.type_test.track_case import BY_THE_CURVE, TABLE_1
 
 AXES: Final = ("curve", "over", "rail", "cleaning", "passage", "number of faults", "train", "mechanics")

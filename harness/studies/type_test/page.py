@@ -28,7 +28,7 @@ from railgrip.studies.type_test.family import (
     verdict,
     with_interval,
 )
-from railgrip.studies.type_test.judge import EQUAL, JUDGED, judgements, over_best, plain_rows, summaries
+from railgrip.studies.type_test.stop_frames import EQUAL, JUDGED, judgements, over_best, plain_rows, summaries
 
 _ON_PAGE_ONLY: Final = ("compared", "K_wet (10 %)")
 """Columns of the leaderboard that are omitted there and on the screen."""

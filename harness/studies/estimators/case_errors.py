@@ -19,7 +19,7 @@ from scipy.ndimage import maximum_filter1d
 from railgrip.base.errors import FilterDiverged
 from railgrip.base.files import write_text
 from railgrip.base.names import ElementName
-from railgrip.estimation.judge import NORMAL_95, rms
+from railgrip.estimation.judgement import NORMAL_95, rms
 from railgrip.estimation.run import FilterRun
 from railgrip.estimators.belief import Array, Matrix, Vector
 from railgrip.estimators.rail import estimate_slope

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from railgrip.base.units import GRAVITY
-from railgrip.estimation.judge import rms
+from railgrip.estimation.judgement import rms
 from railgrip.estimation.lateral.run import EVERY, Beliefs, Name, Trace, prediction
 from railgrip.estimation.lateral.wheelset import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS, Condition
 from railgrip.estimators.belief import Array

@@ -50,14 +50,14 @@ from railgrip.studies.type_test.entrants import (
     training_cases,
     trains_of,
 )
-from railgrip.studies.type_test.judge import (
+from railgrip.studies.type_test.page import page_of
+from railgrip.studies.type_test.stop_frames import (
     frame_of_rows,
     keeps_lock,
     measure,
     read_shipped,
     write_shipped,
 )
-from railgrip.studies.type_test.page import page_of
 from railgrip.studies.type_test.track_case import HEADLINES, TrackCase
 
 PAGE: Final = Path("docs/type_test.md")

@@ -18,7 +18,7 @@ from railgrip.report.baseline import Finding, mean
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.file import is_file, locate
-from railgrip.studies.estimators.judge import (
+from railgrip.studies.estimators.case_errors import (
     SearchCase,
     bounds_of,
     errors_of,
