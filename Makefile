@@ -69,6 +69,7 @@ TABLE1    := $(PROGRAM) campaign harness/scenario/campaigns/table1.toml --panels
 PUBLISHED := --only controller=full_brake,slip_two_state,slip_three_state,slip_three_state_read,adhesion_literal,adhesion_based,slope_seeking,ideal_bound
 
 simulate: $(READY)  ## braking distances next to the published ones, build/table1/index.html
+	@mkdir -p build/table1 && cp docs/stop.html build/table1
 	@$(PROGRAM) build --quiet TwoPartTrain TrainPrediction TwoPartTrainPneumatic & $(TABLE1) $(PUBLISHED) $(OPTIONS); code=$$?; wait; exit $$code
 	@echo "More: \`make searched\` adds further slip-based control with searched thresholds, \`make shapes\` has other"
 	@echo "creep curves, \`make report\` adds the signals of every stop."

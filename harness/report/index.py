@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -142,6 +143,9 @@ _LEGEND: Mapping[str, str] = {
 }
 """Column of a campaign → sentence for a page on which a stop has a value in it."""
 
+IN_BROWSER = "stop.html"
+"""Page that runs a stop (`railgrip export --page`), to which that of a campaign in the same folder has a link."""
+
 Notify = Callable[[str], None]
 
 
@@ -187,6 +191,8 @@ def write_report(
             notify(stop.name)
             stop_page(stop, back="../index.html").write(directory / stop.name)
         page = campaign_page(results, notes=notes, pages=pages, pairs=pairs, notify=notify, reference=reference)
+        if (directory / IN_BROWSER).is_file():
+            page = replace(page, values={**page.values, "in_browser": IN_BROWSER})
         return page.write(directory, formats)
     if (directory / STOP_FILE).exists():
         if against is not None:
@@ -263,6 +269,7 @@ def campaign_page(
         narrow={} if overview is None else {"figures/overview.png": overview_figure(overview, is_narrow=True)},
         template="report/campaign.md.jinja",
         values={
+            "in_browser": "",
             "references": " ".join(_legend(frame)),
             "changes": [] if reference is None else change_table(reference, changes).parts(),
             "quantiles": quantile_table(distributions, results.permitted_distance).parts(),

@@ -13,7 +13,7 @@ from pages import figures_of, needs_nothing_else, numbers, signals_of
 from railgrip.report import palette, style
 from railgrip.report.campaign_figures import adhesion_figure, distance_figure, friction_figure
 from railgrip.report.frame import frame_of
-from railgrip.report.index import write_report
+from railgrip.report.index import IN_BROWSER, write_report
 from railgrip.report.results import read_results
 from railgrip.trace.recorder import write_trace
 
@@ -169,6 +169,7 @@ def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):
 
 
 def test_a_campaign_yields_one_self_contained_page(folder):
+    (folder / IN_BROWSER).write_text("a stop", encoding="utf-8")
     page = write_report(folder, panels="abc", formats=("png", "svg", "pdf"))
     assert needs_nothing_else(page)
     # The overview, distances, friction, and the adhesion of every stop with peak seeking.
@@ -177,7 +178,8 @@ def test_a_campaign_yields_one_self_contained_page(folder):
     heads = {suffix: (folder / "figures" / f"friction.{suffix}").read_bytes()[:5] for suffix in ("png", "svg", "pdf")}
     assert heads == {"png": b"\x89PNG\r", "svg": b"<?xml", "pdf": b"%PDF-"}
     linked = set(re.findall(r'<a href="([^"]*)">', page.read_text(encoding="utf-8")))
-    assert linked == {f"{name}-ideal-adhesion_based/index.html" for name in ("trapezoid", "sine_sweep", "random")}
+    stops = {f"{name}-ideal-adhesion_based/index.html" for name in ("trapezoid", "sine_sweep", "random")}
+    assert linked == {*stops, IN_BROWSER}
     assert all((folder / one).exists() for one in linked)
 
 

@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from railgrip.simulate.export.browser import write_page
 from railgrip.simulate.export.c_parts import with_filter_in_c
 from railgrip.simulate.run import run_stop
 
+DOCUMENTED = Path(__file__).parents[2] / "docs/stop.html"
 SETTINGS = 20
 ROUNDING = 1e-9
 """Relative error of a distance: the C library of WebAssembly (musl) rounds exp, pow and others differently."""
@@ -53,9 +55,29 @@ def page(tmp_path_factory):
     return file
 
 
-def stops_in_browser(page, folder, settings):
-    text = page.read_text(encoding="utf-8").replace("</body>", f"{_DRIVE.format(settings=json.dumps(settings))}</body>")
+_PRESS = """<script>addEventListener("load", async () => {
+  const shown = () => document.querySelector("#results td:nth-child(2)")?.textContent;
+  const changed = async (before) => {
+    while (!shown() || shown() === before) await new Promise((go) => setTimeout(go, 20));
+    return shown();
+  };
+  const first = await changed(), slider = document.querySelector("input[type=range]");
+  const tabs = [...document.querySelectorAll("input, button, summary, select")].map((one) => one.tabIndex);
+  slider.focus();
+  slider.dispatchEvent(new KeyboardEvent("keydown", { key: "PageDown", bubbles: true, cancelable: true }));
+  const second = await changed(first), friction = document.querySelector("output").textContent;
+  document.querySelector("#controls > button").click();
+  parent.postMessage(JSON.stringify({ first, second, friction, third: await changed(second), tabs }), "*");
+});</script>"""
+
+
+def answer_of(page, script, folder):
+    text = page.read_text(encoding="utf-8").replace("</body>", f"{script}</body>")
     return json.loads(posted_by(text, folder))
+
+
+def stops_in_browser(page, folder, settings):
+    return answer_of(page, _DRIVE.format(settings=json.dumps(settings)), folder)
 
 
 def random_settings():
@@ -116,3 +138,22 @@ def test_a_stop_that_is_not_in_c_is_refused(tmp_path):
     noisy = ["sensors.kind=white", "sensors.noise.speed=0.1"]
     with pytest.raises(ScenarioError, match=r"trapezoid: \[sensors\] have noise, .* use kind = 'ideal'"):
         write_page(lambda more: of_scenario([*noisy, *more]), tmp_path / "stop.html")
+
+
+def test_a_key_moves_the_friction_and_a_button_moves_it_back(page, tmp_path):
+    found = answer_of(page, _PRESS, tmp_path)
+    distances = [float(found[name].removesuffix(" m")) for name in ("first", "second", "third")]
+    assert found["friction"] == "90 %"
+    assert distances[0] == distances[2] == pytest.approx(run_stop(of_scenario([])).metrics.distance, abs=0.005)
+    assert distances[1] > 1.05 * distances[0]
+    assert set(found["tabs"]) == {0}
+
+
+def test_the_page_of_the_documentation_runs_the_present_code(tmp_path):
+    """`railgrip export trapezoid --page docs/stop.html` has written it, and writes it anew after a change of code."""
+    kinds = {"adhesion_based", "slip_two_state", "full_brake"}
+    settings = [{"controls": {}, "shown": [kind]} for kind in sorted(kinds)]
+    for kind, here in zip(sorted(kinds), stops_in_browser(DOCUMENTED, tmp_path, settings), strict=True):
+        there = run_stop(of_scenario([f"controller.kind={kind}"]))
+        rounding = AMPLIFIED if kind == "slip_two_state" else ROUNDING
+        assert here["distance"] == pytest.approx(there.metrics.distance, rel=rounding), kind
