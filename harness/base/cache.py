@@ -133,10 +133,12 @@ def private_folder(kind: str, key: str) -> Path:
 
 def prune(root: Path) -> None:
     """Remove the files with the oldest last use from a cache, until its size does not exceed `LARGEST`."""
+    now = time.time()
     files = [(file.lstat(), file) for file in root.glob("*/*/*/*") if not file.is_symlink()]
     size = sum(status.st_size for status, _ in files)
-    for status, file in sorted(files, key=lambda entry: entry[0].st_mtime):
-        if size <= LARGEST or time.time() - status.st_mtime < _IN_USE:
+    # A last use in the future was before the clock was put back.
+    for status, file in sorted(files, key=lambda entry: -abs(now - entry[0].st_mtime)):
+        if size <= LARGEST or abs(now - status.st_mtime) < _IN_USE:
             return
         size -= status.st_size
         file.unlink(missing_ok=True)
