@@ -1,11 +1,13 @@
 """Console output, on a terminal and without one."""
 
+import itertools
 import os
 import pty
 import re
 import subprocess
 import sys
 import threading
+import time
 
 import pytest
 from hypothesis import example, given
@@ -60,6 +62,8 @@ def test_a_table_wider_than_the_screen_keeps_all_columns(monkeypatch, capfd, wid
 def test_without_a_terminal_progress_is_printed_now_and_then(monkeypatch, capfd, settings, line):
     monkeypatch.setattr(console, "FIRST_LINE", 0.01)
     monkeypatch.setattr(console, "REMINDER", 0.02)
+    wall = itertools.cycle([2e9, 1e9, 0.0])
+    monkeypatch.setattr(time, "time", lambda: next(wall))  # a clock that is put forward and back
     before = set(threading.enumerate())
     with console.progress("table1 :x:", "running", **settings) as bar:
         bar.advance()
@@ -69,6 +73,7 @@ def test_without_a_terminal_progress_is_printed_now_and_then(monkeypatch, capfd,
         while line not in err:  # otherwise the test hangs, which is also a failure
             err += capfd.readouterr().err
     assert "\x1b" not in err
+    assert set(re.findall(r", (\S+) s\n", err)) == {"0"}
     assert set(threading.enumerate()) <= before
 
 

@@ -10,6 +10,7 @@ import pytest
 from sampling import FUZZ, sample
 
 from railgrip.base.programs import environment_of_programs, find_program
+from railgrip.fmus.native.toolchain import shared_library
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="shell and limits of POSIX")
 
@@ -50,16 +51,54 @@ def test_closed_streams_do_not_change_the_exit_code(command: str, code: int, clo
         assert "nosuch" in done.stderr
 
 
-def test_results_are_complete_when_all_streams_are_closed(tmp_path: Path) -> None:
+CLOCK = """
+#define _GNU_SOURCE
+#include <sys/syscall.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+#define OWN __attribute__((visibility("default")))
+static long jump(void) {
+    static const long days[] = {0, -400, 2, -12000, 4000};
+    static unsigned calls;
+    return 86400 * days[calls++ % 5];
+}
+OWN int clock_gettime(clockid_t clock, struct timespec *now) {
+    long failed = syscall(SYS_clock_gettime, clock, now);
+    if (!failed && clock == CLOCK_REALTIME) now->tv_sec += jump();
+    return (int)failed;
+}
+OWN time_t time(time_t *seconds) {
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    if (seconds) *seconds = now.tv_sec;
+    return now.tv_sec;
+}
+OWN int gettimeofday(struct timeval *restrict value, void *restrict zone) {
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    *value = (struct timeval){now.tv_sec, now.tv_nsec / 1000};
+    (void)zone;
+    return 0;
+}
+"""
+"""A wall clock that is put forward and back by days and years at each reading; other clocks run on."""
+
+
+def test_results_do_not_depend_on_closed_streams_or_the_clock(tmp_path: Path) -> None:
     """Output of the plant or the program does not end up in a file that reuses the number of a closed stream."""
-    open_, closed = (shell(f"{PROGRAM} {STOP} --out {name} {how}", tmp_path) for name, how in FOLDERS.items())
-    assert (open_.returncode, closed.returncode) == (3, 3)  # the train does not stop within a second
-    contents = [{path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in FOLDERS]
-    assert contents[0] == contents[1]
+    ways = {"open": ({}, ""), "closed": ({}, "<&- >&- 2>&-")}
+    if sys.platform == "linux":
+        clock = str(shared_library({"clock.c": CLOCK}, "clock"))
+        ways["late"] = ({"LD_PRELOAD": clock, "TZ": "<+2459>-24:59:59<-2459>24:59:59,0/167,J365/-167"}, "")
+        years = "import time; t = [time.time() for _ in range(9)]; print((max(t) - min(t)) / 3.2e7)"
+        assert float(shell(f"{shlex.quote(sys.executable)} -c '{years}'", tmp_path, **ways["late"][0]).stdout) > 30
+    done = [shell(f"{PROGRAM} {STOP} --out {name} {how}", tmp_path, **more) for name, (more, how) in ways.items()]
+    assert {one.returncode for one in done} == {3}  # the train does not stop within a second
+    assert not any("Traceback" in one.stderr for one in done)
+    contents = [{path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in ways]
+    assert all(content == contents[0] for content in contents)
     assert contents[0]["stop.json"]
-
-
-FOLDERS = {"open": "", "closed": "<&- >&- 2>&-"}
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")

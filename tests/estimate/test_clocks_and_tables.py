@@ -1,5 +1,6 @@
 """Clocks and tables as loggers write them: read with the right instants, or refused with the cause."""
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,16 @@ SPEED = {"v": {"column": "v", "unit": "m/s"}}
 T = np.arange(0.0, 130.0, 0.5)
 """Two minutes, so that clocks pass a full minute."""
 V = 20.0 - 0.1 * T + 0.01 * np.sin(9.0 * T)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _own_zone():
+    """Instants are those of the file, whatever the time zone of the machine is, here with half hours of summer time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TZ", "AAA-10:30BBB-11,M1.1.0,M11.2.0")
+        getattr(time, "tzset", int)()
+        yield
+    getattr(time, "tzset", int)()
 
 
 def table(columns=None, **changes):
