@@ -12,6 +12,7 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from weakref import WeakSet
 
 import pytest
 from hypothesis import settings
@@ -107,16 +108,24 @@ def _temporary_files_go_with_the_tests(tmp_path_factory: pytest.TempPathFactory)
 
 @pytest.fixture(autouse=True, scope="session")
 def _saved_figures_are_readable() -> Iterator[None]:
-    """Check each figure that any test saves as PNG, whether of a study, a page or a command."""
-    from matplotlib.figure import Figure  # imports NumPy, as does the next one
-    from readable import defects_of
+    """Check each figure that any test saves as PNG or shows on a page, whether of a study, a page or a command.
 
-    save = Figure.savefig
+    A figure on a page has all texts that it has as PNG.
+    """
+    from matplotlib import rcParams
+    from matplotlib.figure import Figure  # imports NumPy, as does the next one
+    from readable import defects_of, missing_in
+
+    save, checked = Figure.savefig, WeakSet[Any]()
 
     def save_and_check(drawing: Any, *arguments: Any, **options: Any) -> None:
-        if options.get("format", "png") == "png":  # the same figure is drawn again for other formats
+        of_page = options.get("format") == "svg" and rcParams["svg.fonttype"] == "none"
+        if options.get("format", "png") == "png" or (of_page and drawing not in checked):
             assert defects_of(drawing) == [], f"{arguments}: cannot be read"
+            checked.add(drawing)
         save(drawing, *arguments, **options)
+        if of_page:
+            assert missing_in(arguments[0].getvalue(), drawing) == []
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Figure, "savefig", save_and_check)

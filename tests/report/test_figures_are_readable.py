@@ -10,21 +10,23 @@ import pytest
 from legible import WIDTHS, defects_on_screen, drawn, needs_browser
 from legible import defects_of as defects_in
 from pages import replace_signals, signals_of
-from readable import defects_of
+from readable import defects_of, missing_in
 
 from railgrip.report.campaign_figures import (
     adhesion_figure,
     distance_figure,
     distribution_figure,
     friction_figure,
+    overview_figure,
     sweep_figure,
 )
 from railgrip.report.comparison import compare
+from railgrip.report.distances import overview_of
 from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.frame import frame_of
 from railgrip.report.index import write_report
 from railgrip.report.results import read_results
-from railgrip.report.style import panels, save
+from railgrip.report.style import panels, save, svg
 
 
 def kept(stop):
@@ -54,6 +56,7 @@ FIGURES = {
     "distributions": lambda stops, folder: distribution_figure(
         distributions_of(over_cases(frame_of(read_results(folder))))
     ),
+    "overview": lambda stops, folder: overview_figure(overview_of(frame_of(read_results(folder)))),
     "comparison": comparison,
     "comparison of campaigns": lambda stops, folder: compare(folder, folder).plot(),
     "sweep": lambda stops, folder: sweep_figure(
@@ -65,6 +68,27 @@ FIGURES = {
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_figure_is_readable(name, drawings):
     assert defects_of(drawings(name)) == []
+
+
+def labels(frame, column="controller_label"):
+    return list(frame[column].unique())
+
+
+NAMES = {
+    "distances": labels,
+    "distributions": labels,
+    "overview": labels,
+    "comparison of campaigns": lambda frame: labels(frame, "stop"),
+    "sweep": lambda frame: [f"{10 + number}" for number in range(0, 60, 3)],
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_ticks_of_categories_are_the_names_of_the_data(name, drawings, folder):
+    panel = drawings(name).axes[0]
+    ticks = panel.get_xticklabels() if name == "sweep" else panel.get_yticklabels()
+    names = [" ".join(tick.get_text().split()) for tick in ticks]
+    assert sorted(names) == sorted(NAMES[name](frame_of(read_results(folder))))
 
 
 @pytest.fixture(scope="module")
@@ -154,6 +178,15 @@ def cut_off(axes):
     axes.figure.text(0.9, 0.5, "a sentence that goes beyond the figure")
 
 
+def number_bars(axes):
+    axes.bar([0, 1], [1, 1])
+
+
+def place_bars_by_names(axes):
+    axes.clear()
+    axes.barh(["a", "a"], [1, 2])
+
+
 DEFECTS = {
     crowd_ticks: "'tick number 1' overlaps 'tick number 2'",
     crowd_minor_ticks: "'minor tick 1' overlaps 'minor tick 2'",
@@ -162,6 +195,8 @@ DEFECTS = {
     empty: "panel 1 is empty",
     fill_with_nan: "panel 1 is empty",
     cut_off: "'a sentence that goes beyond the figure' is cut off",
+    number_bars: "bars of panel 1 have no names",
+    place_bars_by_names: "bars of panel 1 have no names",
 }
 
 
@@ -175,3 +210,12 @@ def test_an_unreadable_figure_is_found(spoil, tmp_path):
     assert DEFECTS[spoil] in found
     with pytest.raises(AssertionError, match="cannot be read"):
         save(drawing, tmp_path / "bad.png")
+
+
+def test_a_text_that_a_page_lacks_is_found():
+    drawing, axes = panels(6, 3)
+    axes.barh([0, 1], [1, 2])
+    axes.set_yticks([0, 1], ["costs $5 & $6", "two\nlines"])
+    page = svg(drawing)
+    assert missing_in(page, drawing) == []
+    assert missing_in(page.replace(b"costs $5", b"0").replace(b"lines", b"1"), drawing) == ["costs $5 & $6", "lines"]

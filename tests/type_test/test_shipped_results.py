@@ -116,6 +116,11 @@ def test_its_line_is_drawn_among_theirs(page):
     assert lines.keys() == entrants().keys() - {"dry"} | {OWN}
     widths = {name: line.get_linewidth() for name, line in lines.items()}
     assert max(widths, key=widths.get) == OWN
+    of_curves = page.figures["figures/utilisation.png"].axes[0]
+    assert [tick.get_text() for tick in of_curves.get_yticklabels()] == list(lines)
+    curves = sorted({case.variants()["curve"] for case in cases(SMALL)})
+    assert [tick.get_text().replace("\n", "_") for tick in of_curves.get_xticklabels()] == curves
+    assert len(of_curves.texts) == len(lines) * len(curves)
 
 
 def test_clauses_have_limits_with_units_and_unsatisfiable_ones_are_explained(page):

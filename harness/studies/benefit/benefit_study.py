@@ -291,11 +291,11 @@ def draw(chain: BenefitChain) -> Figure:
         begin = np.zeros(len(names))
         for part, colour in _COLOURS.items():
             seconds = np.array([of_variant[number].parts[part] for of_variant in chain.deciding])
-            panel.barh(names, seconds, left=begin, color=colour, label=part)
+            panel.barh(range(len(names)), seconds, left=begin, color=colour, label=part)
             begin += seconds
+        panel.set_yticks(range(len(names)), [""] * len(names) if number else names)
         panel.invert_yaxis()
         style.dress(panel, x="headway [s]", title=system)
-    panels[1].set_yticklabels([])
     panels[1].set_xlim(panels[0].get_xlim())
     legend_panel = drawing.add_subplot(grid[3])
     legend_panel.set_axis_off()
