@@ -262,6 +262,7 @@ def in_units(
     magnitudes: Mapping[str, Magnitude],
     expected: Mapping[str, str | units.Unit],
     descriptions: Mapping[str, str] | None = None,
+    others: str = "",
 ) -> dict[str, float]:
     """Return the values of a table of parameters in the units that its model expects.
 
@@ -270,6 +271,7 @@ def in_units(
         magnitudes: Parameters by name.
         expected: Unit of every valid name.
         descriptions: Descriptions of these names, which help to suggest `m`, "Mass of the wagon", for "mass".
+        others: Sentence on parameters that cannot be set, which follows that on an unknown name.
 
     Raises:
         ScenarioError: A name is unknown, a unit has another dimension, or a value is not plausible for a vehicle; one
@@ -293,7 +295,7 @@ def in_units(
                 # A name such as "mass" for the parameter `m`, "Mass of the wagon".
                 near = _match_description(name, descriptions or {})
                 hint = f"did you mean '{near[0]}'?" if near else did_you_mean(name, expected)
-                hint = hint or f"there is {', '.join(arrays) or 'none'}."
+                hint = (hint or f"there is {', '.join(arrays) or 'none'}.") + others
             problems.append(f"{where} has no parameter '{short(name)[1:-1]}'; {hint}")
             continue
         try:

@@ -33,6 +33,7 @@ from railgrip.scenario.onboard import KalmanFilter
 from railgrip.scenario.quantity import in_units
 from railgrip.simulate.loop.interfaces import StateEstimator
 from railgrip.simulate.named_models import (
+    COMPILED_IN,
     consist_description,
     description_of_file,
     prediction_description,
@@ -226,7 +227,8 @@ def _require_names(where: str, needs: Mapping[str, tuple[Sequence[str], Sequence
 def _of_class(stop: Opening, table: KalmanFilter, name: str) -> tuple[_Central, Gate, Vector, tuple[float, ...]]:
     layout, groups = stop.vehicle.layout, stop.vehicle.layout.formation.groups
     model = _prediction_model(table, name, layout)
-    values = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
+    units, others = {v.name: v.unit for v in model.parameters}, COMPILED_IN if table.library else ""
+    values = in_units("[estimator.parameters]", table.parameters, units, others=others)
     parameters = {v.name: v.start for v in model.parameters} | values
     prediction = _prepare_model(stop, table, model, parameters, partial(prediction_description, name, table.library))
     gate = pad_gate(release_pressure(parameters, 0, RELEASED_PADS), groups)

@@ -311,6 +311,13 @@ def parameters_of(description: Description) -> dict[str, float]:
     }
 
 
+COMPILED_IN: Final = (
+    " Integer, Boolean and enumeration parameters of a class are compiled in; for other values name a class that "
+    "extends it."
+)
+"""Sentence for those who set a parameter that the FMU of their class does not have."""
+
+
 def units_of(description: Description) -> dict[str, Unit | str]:
     """Return the units of an FMU's parameters, `BOOLEAN` for booleans."""
     return {

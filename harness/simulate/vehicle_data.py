@@ -32,6 +32,7 @@ from railgrip.scenario.table import Custom
 from railgrip.scenario.track import TrackForce, force_along, track_force_of
 from railgrip.scenario.vehicle_table import (
     FormationTable,
+    LibraryClass,
     LibraryPlant,
     ModelicaPlant,
     PythonClass,
@@ -42,6 +43,7 @@ from railgrip.simulate.contact import compiled_contact, contact_header
 from railgrip.simulate.faults.brake import isolated_groups, isolated_units
 from railgrip.simulate.loop.plausible import UNBOUNDED, Slowing, slowing_of
 from railgrip.simulate.named_models import (
+    COMPILED_IN,
     compile_class,
     description_of,
     parameters_of,
@@ -361,7 +363,8 @@ class VehicleData:
                 f"[vehicle.parameters] {fixed} says how {self.file.file.name} is made and cannot be set; name another "
                 "one"
             )
-        changes = in_units("[vehicle.parameters]", vehicle.parameters, units_of(self.file))
+        others = COMPILED_IN if isinstance(vehicle.source, LibraryClass) else ""
+        changes = in_units("[vehicle.parameters]", vehicle.parameters, units_of(self.file), others=others)
         if not factors and not scenario.faults:
             return changes
         base = self.fmu_parameters | scenario.adhesion.polach.plant_parameters() | changes

@@ -11,6 +11,7 @@ from railgrip.base import cache
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.controllers.valves import ValveLogic
 from railgrip.fmus.build import build_class
+from railgrip.fmus.native import lower
 from railgrip.scenario.load import load, scenario_of
 from railgrip.simulate.controller import valve_logic_of
 from railgrip.simulate.ideal import _Tracking
@@ -45,6 +46,8 @@ def test_a_class_is_compiled_again_when_its_library_changes(mine):
     assert is_trusted(first)
     assert plant_description(first).file == before.file
     digest, distance = first.digest(), run_stop(first).metrics.distance_travelled
+    with pytest.raises(ScenarioError, match=r"has no parameter 'axles'.* compiled in; for other values name a class"):
+        run_stop(load(mine, (*SHORT, "vehicle.parameters={axles=3}")))
 
     # Not the class itself, but one of its components.
     axle = mine.parent / "SimpleTrain" / "Axle.mo"
@@ -146,11 +149,15 @@ def test_the_command_builds_one_class_into_a_file(tmp_path, monkeypatch, command
     assert (tmp_path / "Vehicle.fmu").is_file()
     (tmp_path / "Sized.mo").write_text(
         "model Sized parameter Integer n = 2; parameter Boolean p = n > 1; parameter Boolean q = true; "
-        "parameter Real k = if q then n else 1; Real x[n] = fill(k*time, n); end Sized;"
+        "parameter Real k = if q then n else 1; Real x[n] = fill(k*time, n); end Sized; "
+        "model Larger extends Sized(n = 3); end Larger;"
     )
-    assert (
-        "Sized.fmu: n = 2, q = true cannot be set in the FMU" in command("build", "--library", "Sized.mo", "Sized").err
-    )
+    for name, n in (("Sized", 2), ("Larger", 3)):
+        said = f"{name}.fmu: n = {n}, q = true cannot be set in the FMU"
+        for _ in range(2):  # built, and found
+            assert said in command("build", "--compiler=native", "--library=Sized.mo", name).err
+        (k,) = lower(name, Path("Sized.mo")).parameters
+        assert (k.name, k.start) == ("k", n)
     for wrong, sentence in (
         (library, "--library is for one class"),
         (("--library", "Nowhere", "X"), "X: there is no Modelica library Nowhere"),
