@@ -3,14 +3,13 @@
 The front end reads a class as it is written first; only if that fails, the texts are rewritten and read again:
 
 - An algorithm section of a model becomes equations: its statements are executed in order on expressions, with loops
-  unrolled (11.1). A variable that is read before it is assigned has its start value, a discrete one its value before
-  the event (11.1.2).
+  unrolled (11.1). A Real variable that is read before it is assigned has its start value (11.1.2).
 - A for equation over a list, over Real numbers or without a range is unrolled (8.3.2, 11.2.2); an iterator without a
-  range in a function, array or reduction is given its range (10.3.4.1); a reduction over a list becomes one of an
-  array, and a constructor with several iterators becomes nested ones (10.4.1).
+  range in an array or reduction is given its range (10.3.4.1), a reduction over a list becomes one of an array, and a
+  constructor with several iterators becomes nested ones (10.4.1).
 - Elements of an array that a when equation assigns one by one, also in for equations inside or around it, become one
   equation of the array (8.3.5).
-- An assertion in an if equation is moved out of it, and holds where the equation is not active (8.3.4).
+- An if equation of assertions becomes assertions that hold where the branch is not active (8.3.4).
 - A modifier with a dotted name is written with brackets (7.2).
 
 What is not certain to keep its meaning stays as it is, and is refused as before. Rewritten texts keep their lines.
@@ -274,9 +273,6 @@ class _Parser:
             self.i += 1
             iterators = _iterators(self._until("loop"))
             branches = (((), self.statements("end")),)
-        elif word == "while":
-            while not (self.tokens[self.i].text == "end" and self.tokens[self.i + 1].text == word):
-                self.i += 1
         else:
             return _Clause("", (*self._until(";"),))
         if [token.text for token in self.tokens[self.i : self.i + 3]] != ["end", word, ";"]:
@@ -349,19 +345,16 @@ def _literal(value: float) -> str:
 
 def _section(scope: _Scope, keyword: str, tokens: Sequence[_Token], every: str) -> Iterator[_Edit]:
     word, *tokens = tokens
-    if keyword.startswith("initial") or not tokens:
-        return
-    if scope.kind == "function":
-        yield from _ranges_in_function(scope, tokens)
+    if keyword.startswith("initial") or scope.kind == "function" or not tokens:
         return
     statements = _Parser(tokens).statements()
     if keyword == "equation":
         for statement in statements:
             writer = _Unroller(scope, every)
-            if writer.must_change([statement]):
-                begin, end = statement.tokens[0], statement.tokens[-1]
-                pieces, asserts = writer.equations([statement], {})
-                yield begin.start, end.end, _on_lines([*asserts, *pieces], begin.line, end.line)
+            with contextlib.suppress(RewritingError):
+                if writer.must_change([statement]):
+                    begin, end = statement.tokens[0], statement.tokens[-1]
+                    yield begin.start, end.end, _on_lines(writer.equations([statement], {}), begin.line, end.line)
         return
     last: dict[tuple[str, str], int] = {}
     _Execution(scope, every, last, is_trial=True).run(statements)
@@ -377,22 +370,6 @@ def _on_lines(pieces: Iterable[_Piece], first: int, last: int) -> str:
         text += "\n" * (number - line) + f" {piece};"
         line = max(line, number) + piece.count("\n")
     return text + "\n" * (last - line)
-
-
-def _ranges_in_function(scope: _Scope, tokens: Sequence[_Token]) -> Iterator[_Edit]:
-    def visit(statements: Iterable[_Clause]) -> Iterator[_Edit]:
-        for statement in statements:
-            for _, body in statement.branches:
-                yield from visit(body)
-            for name, range_ in statement.iterators:
-                if not range_:
-                    found = _place_of(name, statement.tokens)
-                    variable = scope.variables.get(found[0].text) if found else None
-                    place = next(t for t in statement.tokens if t.text == name)
-                    if found and variable and all(s.text == ":" or _number(s.text) for s in variable.sizes[found[1]]):
-                        yield place.end, place.end, f" in 1:size({found[0].text}, {found[1] + 1})"
-
-    yield from visit(_Parser(tokens).statements())
 
 
 def _listed(range_: Sequence[_Token]) -> list[Sequence[_Token]]:
@@ -425,11 +402,12 @@ class _Unroller:
 
     def must_change(self, statements: Iterable[_Clause]) -> bool:
         return any(
-            (
+            _is_assertion(s)
+            if s.kind == "if"
+            else (
                 s.kind == "for"
                 and not all(r and all(t.text != "{" and not _is_real(t.text) for t in r) for _, r in s.iterators)
             )
-            or (s.kind == "if" and any(t.text == "assert" for t in s.tokens))
             or (
                 s.kind == "when"
                 and len(s.branches) == 1
@@ -446,24 +424,20 @@ class _Unroller:
         guard: Callable[[str], str] | None = None,
         *,
         unrolls: bool = False,
-    ) -> tuple[list[_Piece], list[_Piece]]:
-        # Equations, and the assertions that are moved out of an if equation, each under the guard of its branch.
-        pieces, asserts = list[_Piece](), list[_Piece]()
+    ) -> list[_Piece]:
+        # In an if equation, which has assertions only, each is under the guard of its branch.
+        pieces = list[_Piece]()
         for statement in statements:
             line, tokens = statement.tokens[0].line, statement.tokens
-            if guard and _is_assert(statement):
-                asserts.append((line, self.assertion(tokens, values, guard)))
-            elif guard and statement.kind != "if" and any(token.text == "assert" for token in tokens):
-                raise RewritingError
+            if guard and not statement.kind:
+                pieces.append((line, self.assertion(tokens, values, guard)))
             elif not (statement.kind == "for" and unrolls) and not self.must_change([statement]):
                 pieces.append((line, self.text(tokens, values).removesuffix(";").strip()))
             elif statement.kind == "for":
                 body = statement.branches[0][1]
                 clauses = [s for s in body if s.kind == "when" and self.must_change([s])]
                 for inside in self.points(statement, values):
-                    found, moved = self.equations([s for s in body if s not in clauses], inside, guard, unrolls=unrolls)
-                    pieces += found
-                    asserts += moved
+                    pieces += self.equations([s for s in body if s not in clauses], inside, unrolls=unrolls)
                 for clause in clauses:
                     ((condition, inner),) = clause.branches
                     if {t.text for t in condition} & {name for name, _ in statement.iterators}:
@@ -473,22 +447,18 @@ class _Unroller:
             elif statement.kind == "when":
                 pieces.append((line, self._when(statement, values)))
             else:
-                before, remaining = list[str](), list[tuple[str, list[_Piece]]]()
+                before = list[str]()
                 for words, body in statement.branches:
                     condition = self.text(words, values)
-                    found, moved = self.equations(body, values, _guarded(guard or str, tuple(before), condition))
+                    pieces += self.equations(body, values, _guarded(guard or str, tuple(before), condition))
                     before.append(condition)
-                    remaining.append((condition, found))
-                    asserts += moved
-                if any(found for _, found in remaining):
-                    pieces.append((line, _if(remaining)))
-        return pieces, asserts
+        return pieces
 
     def _when(self, clause: _Clause, values: Mapping[str, str]) -> str:
         # With one equation of an array for those of its elements.
         ((condition, body),) = clause.branches
         pieces, elements = list[_Piece](), dict[str, dict[str, str]]()
-        for line, piece in self.equations(body, values, unrolls=True)[0]:
+        for line, piece in self.equations(body, values, unrolls=True):
             match = _ELEMENT.fullmatch(piece)
             if match is None:
                 pieces.append((line, piece))
@@ -599,7 +569,14 @@ class _Unroller:
                     raise RewritingError
                 out.append(token.text)
             elif following == "(":
-                k = self._call(tokens, k, out)
+                out.append(token.text)
+                if token.text == "size":
+                    out += ["(", tokens[k + 2].text]
+                    k += 2
+                elif token.text in ("pre", "der", "edge", "change"):
+                    read = tokens[k + 2 : _closing(tokens, k + 1)]
+                    if not self.names.isdisjoint(t.text.partition(".")[0] for t in read):
+                        raise RewritingError
             elif following == "=" and out and out[-1] in ("(", ","):
                 out.append(token.text)  # a named argument
             elif token.text in values:
@@ -611,22 +588,6 @@ class _Unroller:
         if len(text) > _LONGEST:
             raise RewritingError
         return text
-
-    def _call(self, tokens: Sequence[_Token], k: int, out: list[str]) -> int:
-        word = tokens[k].text
-        if word == "size":
-            out += [word, "(", tokens[k + 2].text]
-            return k + 2
-        if word in ("pre", "der", "edge", "change"):
-            end = _closing(tokens, k + 1)
-            used = {token.text.partition(".")[0] for token in tokens[k + 2 : end]} & self.names
-            if used and (word != "pre" or used != {token.text for token in tokens[k + 2 : end]}):
-                raise RewritingError
-            if used:
-                out.append(f"pre({tokens[k + 2].text})")
-                return end
-        out.append(word)
-        return k
 
     def reference(self, tokens: Sequence[_Token], k: int, values: Mapping[str, str], out: list[str]) -> int:
         """Append a reference to a variable, and return its last token."""
@@ -651,9 +612,11 @@ def _constructor(sizes: Sequence[int], elements: Mapping[str, str], before: tupl
     return f"{{{', '.join(parts)}}}"
 
 
-def _is_assert(statement: _Clause) -> bool:
-    words = [token.text for token in statement.tokens[:2]]
-    return not statement.kind and words == ["assert", "("]
+def _is_assertion(statement: _Clause) -> bool:
+    # Whether it is an assertion, or an if equation of nothing else.
+    if statement.kind == "if":
+        return all(_is_assertion(inner) for _, body in statement.branches for inner in body)
+    return not statement.kind and [token.text for token in statement.tokens[:2]] == ["assert", "("]
 
 
 def _choice(cases: Iterable[tuple[str, str]]) -> str:
@@ -667,14 +630,6 @@ def _guarded(wrap: Callable[[str], str], skipped: Sequence[str], condition: str)
     before = [(other, "true") for other in skipped]
     after = [("", "true")] if condition else []
     return lambda holds: wrap(_choice([*before, (condition, holds), *after]))
-
-
-def _if(branches: Sequence[tuple[str, Sequence[_Piece]]]) -> str:
-    text = ""
-    for k, (condition, pieces) in enumerate(branches):
-        text += f"{'else' if k else ''}{f'if {condition} then' if condition else ''} "
-        text += "".join(f"{piece}; " for _, piece in pieces)
-    return f"{text}end if"
 
 
 class _Execution(_Unroller):
@@ -810,12 +765,9 @@ class _Execution(_Unroller):
     def _initial(self, target: tuple[str, str]) -> str:
         name = target[0]
         variable = self.scope.variables.get(name)
-        if variable and bool(variable.sizes) != bool(target[1]):
-            raise RewritingError
-        if variable and variable.type in ("Integer", "Boolean"):
-            return f"pre({_written(target)})"
         start = rf"\b{name}\b\s*(?:\[[^\]]*\]\s*)?\([^;]*\bstart\b|\b{name}\s*\.\s*start\b"
-        if not variable or variable.type != "Real" or "discrete" in variable.prefixes or re.search(start, self.every):
+        is_real = variable and variable.type == "Real" and "discrete" not in variable.prefixes
+        if not is_real or bool(variable.sizes) != bool(target[1]) or re.search(start, self.every):
             raise RewritingError
         return "0.0"
 

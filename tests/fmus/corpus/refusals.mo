@@ -429,6 +429,23 @@ model M
 output Real y(start=2); algorithm if time > 1 then y := 1; end if;
 end M;
 
+// algorithm section; algorithm
+model M
+input Integer k; output Integer n; algorithm
+if k > 1 then n := pre(n) + 1; end if;
+end M;
+
+// loop without a range; for i loop
+model M
+function f input Real v[:]; output Real y; algorithm y := 0; for i loop y := 10*y + v[i]; end for; end f;
+output Real y = f({1, 2, 4});
+end M;
+
+// drops an assertion; assert
+model M
+Real y; equation if time > 1 then y = 1; assert(time < 5, "a"); else y = 2; end if;
+end M;
+
 // illegal: .;
 model M
 output Real y; algorithm y := 1; while y < 4*time loop y := y + 1; end while;
