@@ -315,7 +315,7 @@ def _iterators(tokens: Sequence[_Token]) -> tuple[tuple[str, tuple[_Token, ...]]
 
 
 _FUNCTIONS: Mapping[str, Any] = {
-    "integer": floor, "floor": floor, "ceil": ceil, "abs": abs, "min": min, "max": max, "sqrt": lambda x: x**0.5,
+    "integer": floor, "floor": floor, "ceil": ceil, "abs": abs, "min": min, "max": max,
     "mod": lambda x, y: x - floor(x / y) * y, "rem": lambda x, y: x - int(x / y) * y, "div": lambda x, y: int(x / y),
 }  # fmt: skip
 
@@ -330,14 +330,6 @@ def _number(text: str) -> float | None:
     except (ArithmeticError, SyntaxError, TypeError, ValueError):
         return None
     return value if isinstance(value, int | float) else None
-
-
-def _is_real(text: str) -> bool:
-    return text[0].isdigit() and not text.isdigit()
-
-
-def _literal(value: float) -> str:
-    return f"({value!r})" if value < 0 else repr(value)
 
 
 # Sections
@@ -406,7 +398,7 @@ class _Unroller:
             if s.kind == "if"
             else (
                 s.kind == "for"
-                and not all(r and all(t.text != "{" and not _is_real(t.text) for t in r) for _, r in s.iterators)
+                and not all(r and not any(re.match(r"\{|\d+\D", t.text) for t in r) for _, r in s.iterators)
             )
             or (
                 s.kind == "when"
@@ -524,7 +516,7 @@ class _Unroller:
         first, *step, last = (limit for limit in limits if limit is not None)
         by = step[0] if step else 1
         count = floor((last - first) / by * (1 + 1e-12)) + 1 if by else 0
-        return [_literal(first + k * by) for k in range(count)]
+        return [f"({first + k * by!r})" for k in range(count)]
 
     def size(self, tokens: Sequence[_Token]) -> int | None:
         """Return a size of an array, None if it is not known."""
@@ -615,7 +607,8 @@ def _constructor(sizes: Sequence[int], elements: Mapping[str, str], before: tupl
 def _is_assertion(statement: _Clause) -> bool:
     # Whether it is an assertion, or an if equation of nothing else.
     if statement.kind == "if":
-        return all(_is_assertion(inner) for _, body in statement.branches for inner in body)
+        inner = [one for _, body in statement.branches for one in body]
+        return bool(inner) and all(map(_is_assertion, inner))
     return not statement.kind and [token.text for token in statement.tokens[:2]] == ["assert", "("]
 
 
@@ -845,14 +838,10 @@ def _reduction(tokens: Sequence[_Token], begin: int, k: int) -> Iterator[_Edit]:
 
 def _dotted_modifier(tokens: Sequence[_Token], begin: int, k: int) -> Iterator[_Edit]:
     first, *rest = tokens[k].text.split(".")
-    end = next(i for i in range(k, len(tokens)) if tokens[i].text in ",)" and _balanced(tokens[k:i]))
     siblings = _split(tokens[begin + 1 : _closing(tokens, begin)])
     words = [[t.text.partition(".")[0] for t in part if t.text not in ("each", "final")][:1] for part in siblings]
     if tokens[begin].text != "(" or not first or words.count([first]) > 1 or tokens[k - 1].text not in "(,":
         return
+    end = next(part[-1].end for part in siblings if tokens[k] in part)
     yield tokens[k].start, tokens[k].end, f"{first}({'('.join(rest)}"
-    yield tokens[end - 1].end, tokens[end - 1].end, ")" * len(rest)
-
-
-def _balanced(tokens: Sequence[_Token]) -> bool:
-    return sum((t.text in "([{") - (t.text in ")]}") for t in tokens) == 0
+    yield end, end, ")" * len(rest)
