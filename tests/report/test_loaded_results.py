@@ -1,19 +1,25 @@
 """Folders of results load as values of the Python interface, and as tables in files of other programs."""
 
+import cProfile
 import io
+import pstats
 
 import numpy as np
 import pandas
 import pytest
 import xarray
 from command_line import exit_code
+from synthetic import COARSE, LIBRARY, of_scenario
 from synthetic_runner import stop_with
 
 import railgrip as rg
 from railgrip.base.errors import InputError, RecordError
+from railgrip.campaign.run import write_description
 from railgrip.campaign.sweep import Result, Sweep, csv_of, load_results, write_table
+from railgrip.report.index import write_report
 from railgrip.report.results import read_results
 from railgrip.report.stop import read_stop, write_stop
+from railgrip.scenario.campaign import load_campaign
 from railgrip.trace.recorder import FILE_NAME
 
 CAMPAIGN = """
@@ -109,3 +115,37 @@ def test_a_path_without_result_or_table_is_refused(tmp_path, stop):
     write_stop(stop_with(), tmp_path / "bare", keep_trace=False)
     with pytest.raises(RecordError, match="the samples of this stop were not kept"):
         load_results(tmp_path / "bare")
+
+
+@pytest.fixture(scope="module")
+def many(tmp_path_factory):
+    """Folders of 12, 18 and 24 stops that differ by their seed."""
+    folders, any_stop = [tmp_path_factory.mktemp("many") for _ in range(3)], stop_with()
+    for count, folder in zip((12, 18, 24), folders, strict=True):
+        text = f'name = "many"\nscenarios = ["{LIBRARY.as_posix()}/trapezoid.toml"]\nsweep.seed = {[*range(count)]}\n'
+        (folder / "many.toml").write_text(text, encoding="utf-8")
+        campaign = load_campaign(folder / "many.toml", COARSE)
+        write_description(campaign, folder)
+        for stop in campaign.stops:
+            write_stop(of_scenario(any_stop, stop.scenario), folder / stop.name, keep_trace=False)
+    return folders
+
+
+USES = {
+    "read": lambda folder: rg.load(folder).to_pandas(),
+    "compare": lambda folder: rg.compare(folder, folder),
+    "report": lambda folder: write_report(folder, panels="none"),
+}
+
+
+@pytest.mark.usefixtures("blank_figures")
+@pytest.mark.parametrize("use", USES)
+def test_a_further_stop_takes_as_many_calls_whatever_the_number_of_stops(many, use):
+    """Thus 5,000 stops take a hundred times as long as 50."""
+    calls = []
+    for folder in (many[0], *many):  # the first time fills caches
+        with cProfile.Profile() as profile:
+            USES[use](folder)
+        calls.append(pstats.Stats(profile).total_calls)
+    _, few, more, most = calls
+    assert most - more <= 1.05 * (more - few), calls
