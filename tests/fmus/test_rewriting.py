@@ -211,13 +211,6 @@ def test_initial_is_true_in_an_assertion_at_the_start_only(tmp_path, condition, 
     assert (float(at_start), float(running)) == (start, later)
 
 
-def test_initial_among_other_conditions_of_a_when_clause_is_refused(tmp_path):
-    """It was false at the first event after the start."""
-    body = "discrete Real x(start=3, fixed=true); equation when not initial() then x = 6; end when;"
-    with pytest.raises(InputError, match=r"M\.mo:2: M: initial\(\) in a condition of a when clause"):
-        explicit(read("M", write(tmp_path, body)))
-
-
 def test_a_library_with_byte_order_marks_is_read(tmp_path):
     folder = tmp_path / "Lib"
     folder.mkdir()

@@ -152,12 +152,10 @@ def test_the_command_builds_one_class_into_a_file(tmp_path, monkeypatch, command
         "parameter Real k = if q then n else 1; Real x[n] = fill(k*time, n); end Sized; "
         "model Larger extends Sized(n = 3); end Larger;"
     )
-    for name, n in (("Sized", 2), ("Larger", 3)):
-        said = f"{name}.fmu: n = {n}, q = true cannot be set in the FMU"
-        for _ in range(2):  # built, and found
-            assert said in command("build", "--compiler=native", "--library=Sized.mo", name).err
-        (k,) = lower(name, Path("Sized.mo")).parameters
-        assert (k.name, k.start) == ("k", n)
+    for name, n in (("Sized", 2), ("Larger", 3), ("Sized", 2)):  # the last is found
+        said = command("build", "--compiler=native", "--library=Sized.mo", name).err
+        assert f"{name}.fmu: n = {n}, q = true cannot be set in the FMU" in said
+        assert [(p.name, p.start) for p in lower(name, Path("Sized.mo")).parameters] == [("k", n)]
     for wrong, sentence in (
         (library, "--library is for one class"),
         (("--library", "Nowhere", "X"), "X: there is no Modelica library Nowhere"),

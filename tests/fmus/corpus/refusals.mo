@@ -8,6 +8,12 @@ equation
  der(x) = -y;
 end M;
 
+// initial\(\) in a condition of a when clause; when
+model M
+discrete Real x(start=3, fixed=true); equation
+when not initial() then x = 6; end when;
+end M;
+
 // delay; delay(x
 model M
  Real x(start=1,fixed=true);
