@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import NullLocator
+from matplotlib.ticker import MaxNLocator, NullLocator
 from numpy.typing import NDArray
 
 from railgrip.report import palette, style
@@ -479,10 +479,6 @@ def _name_of_draws(one: Any, of: str) -> str:
     )
 
 
-_TICK: Final = 50
-"""Distance of ticks [m]."""
-
-
 _ROW: Final = 0.36
 """Height of a row [inches]."""
 
@@ -528,8 +524,8 @@ def overview_figure(overview: Frame, *, width: float = 10.9, is_narrow: bool = F
         panel.grid(visible=False, axis="y")
         panel.set_xlim(low, high)
         # Round numbers that are not cut off at the right edge.
-        ticks = [tick for tick in range(0, int(high), _TICK) if low <= tick <= high - 0.1 * (high - low)]
-        panel.set_xticks(ticks, [f"{tick}" for tick in ticks])
+        ticks = MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low, high)
+        panel.set_xticks([tick for tick in ticks if low <= tick <= high - 0.1 * (high - low)])
         panel.set_ylim(len(labels) - 0.5, -0.5)
         panel.tick_params(axis="y", length=0)
         for one in overview[overview["place"] == case].itertuples():
