@@ -88,6 +88,14 @@ def test_byte_order_mark_and_line_ends_of_windows_are_removed(tmp_path):
     assert read_text(path) == "a = 1\nb = '½'\n"
 
 
+def test_an_archive_in_place_of_a_text_is_named(tmp_path):
+    (tmp_path / "a.toml").write_bytes(b"PK\x03\x04\xb5")
+    with pytest.raises(
+        InputError, match=r"a\.toml: is a zip archive, as \.fmu, \.ssp and \.xlsx files are; name a file of"
+    ):
+        read_text(tmp_path / "a.toml")
+
+
 def test_a_null_character_in_a_path_is_refused():
     with pytest.raises(InputError, match="null"):
         read_text(Path("a\0b"))

@@ -130,10 +130,13 @@ def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
     """Return the text of a user's UTF-8 file, without a byte order mark, and with "\\n" as end of line.
 
     Raises:
-        InputError: See `open_regular`; or the content is not UTF-8.
+        InputError: See `open_regular`; or the content is an archive or not UTF-8.
     """
+    content = read_bytes(path, largest)
+    if content.startswith(b"PK\x03\x04"):
+        raise InputError(f"{place(path)}: is a zip archive, as .fmu, .ssp and .xlsx files are; name a file of text")
     try:
-        return read_bytes(path, largest).decode("utf-8-sig").replace("\r\n", "\n")
+        return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as problem:
         raise InputError(f"{place(path)}: is not text in UTF-8 ({problem}); save it in that encoding") from problem
 

@@ -17,7 +17,6 @@ from railgrip.base.errors import FmuError
 from railgrip.base.limits import MIB, FmuLimits
 
 DESCRIPTION = "modelDescription.xml"
-_SYSTEM = "SystemStructure.ssd"  # SSP 1.0
 _HARMLESS = 16 * MIB
 """Size in bytes below which the compression ratio is not checked."""
 _DEPTH = 64
@@ -71,10 +70,11 @@ def members(path: Path, limits: FmuLimits) -> frozenset[str]:
     if corrupt is not None:
         raise FmuError(f"{path}: the archive is damaged, '{corrupt}' does not match its checksum.")
     names = frozenset(_plain(entry) for entry in entries if not entry.is_dir())
-    if _SYSTEM in names:
+    # SystemStructure.ssd or a variant of it; those in folders of an FMU are its resources.
+    if any(name.lower().endswith(".ssd") for name in names if DESCRIPTION not in names or "/" not in name):
         raise FmuError(
             f"{path}: is a system by SSP; railgrip exports such systems but does not import them. Unpack it and name "
-            "the FMU of the train in its folder resources."
+            "the FMU that you need in its folder resources."
         )
     if DESCRIPTION not in names:
         inside = sorted(name for name in names if PurePosixPath(name).name == DESCRIPTION)

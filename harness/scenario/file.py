@@ -125,12 +125,19 @@ class NamedFile:
         """Resolve a string relative to the scenario's folder.
 
         Raises:
-            PydanticCustomError: The entry is not a path, or the file does not exist.
+            PydanticCustomError: The entry is not a path, the file does not exist, or it is a system by SSP.
         """
         if isinstance(entry, NamedFile):
             return entry
         if not isinstance(entry, str) or not entry:
             raise PydanticCustomError("file", "is {found}; expected is the path of a file", {"found": short(entry)})
+        if entry.lower().endswith(".ssp"):
+            raise PydanticCustomError(
+                "file",
+                "is {found}, a system by SSP, which railgrip exports and does not import; extract the .fmu that you "
+                "need from the folder resources of that archive and name that",
+                {"found": short(entry)},
+            )
         context = cast("dict[str, Path] | None", info.context) or {}
         directory = context.get(DIRECTORY, Path())
         path = (entry.folder if isinstance(entry, OtherFileString) else directory) / entry

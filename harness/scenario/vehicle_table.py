@@ -17,7 +17,6 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from railgrip.base.registry import not_one_of, shelf
-from railgrip.base.units import short
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import (
@@ -178,13 +177,8 @@ class Vehicle(Table):
     def _recipe_or_file(cls, entry: Any, info: ValidationInfo) -> str | NamedFile | None:
         if entry is None:
             return None
-        if isinstance(entry, NamedFile) or (isinstance(entry, str) and entry.endswith(".fmu")):
+        if isinstance(entry, NamedFile) or (isinstance(entry, str) and entry.lower().endswith((".fmu", ".ssp"))):
             return NamedFile.find(entry, info)
-        if isinstance(entry, str) and entry.endswith(".ssp"):
-            raise table_error(
-                f"is {short(entry)}, a system by SSP, which railgrip exports and does not import; extract the .fmu "
-                "of the train from the folder resources of that archive and name that"
-            )
         if not isinstance(entry, str) or not (entry.isidentifier() or _is_class(entry)):
             raise table_error(
                 f"is {entry!r}, which is neither the name of an FMU recipe nor the path of an .fmu nor module:Class"

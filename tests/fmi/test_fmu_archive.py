@@ -154,9 +154,34 @@ def with_a_wrong_bit(foundry: Path, folder: Path) -> Path:
     return folder / "damaged.fmu"
 
 
+BOMB = b'<!DOCTYPE s [<!ENTITY a "lol"><!ENTITY b "' + 100 * b"&a;" + b'">]><s>' + 100 * b"&b;" + b"</s>"
+OUTSIDE = b'<!DOCTYPE s [<!ENTITY a SYSTEM "file:///etc/passwd">]><s>&a;</s>'
+TWICE = b'<s><Connector name="v" kind="output"/><Connector name="v" kind="input"/></s>'
+SYSTEMS = [
+    *({"SystemStructure.ssd": text} for text in (b"", b"<ssd:System", BOMB, OUTSIDE, TWICE, b"\xff\xfe")),
+    *({name: b"<s/>"} for name in ("systemstructure.SSD", "System/SystemStructure.ssd", "Winter.ssd")),
+    *(
+        {"SystemStructure.ssd": b"<s/>", name: b"?"}
+        for name in ("modelDescription.xml", "resources/inner.ssp", "a.ssv")
+    ),
+]
+
+
+def packed(entries: dict[str, bytes]) -> Callable[[Path, Path], Path]:
+    def make(_: Path, folder: Path) -> Path:
+        with zipfile.ZipFile(folder / "system.fmu", "w") as archive:
+            for name, content in entries.items():
+                archive.writestr(name, content)
+        return folder / "system.fmu"
+
+    return make
+
+
 @pytest.mark.parametrize(
     ("make", "sentence"),
     [
+        *((packed(entries), r"is a system by SSP; .* name the FMU that you need in") for entries in SYSTEMS),
+        (packed({"SystemStructure.ssd": b"", "../evil": b""}), "'../evil' of the archive would be unpacked outside"),
         (lambda _, folder: folder / "absent.fmu", r"absent\.fmu: there is no such file; correct the path, or build it"),
         (lambda *_: Path(__file__), r"test_fmu_archive\.py: not an FMU: it is not a zip archive"),
         (with_a_wrong_bit, r"damaged\.fmu: the archive is damaged, 'modelDescription\.xml'"),
