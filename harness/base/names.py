@@ -1,5 +1,6 @@
-"""Names of states and of elements of arrays, and suggestions for mistyped names."""
+"""Names of states and of elements of arrays, suggestions for mistyped names, and texts for XML."""
 
+import re
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from types import MappingProxyType
@@ -92,3 +93,11 @@ def did_you_mean(
 
 def _plain(name: str) -> str:
     return name.casefold().replace("-", "_")
+
+
+_NOT_IN_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def xml_text(text: str) -> str:
+    """Return a text with codes, such as #x1B, of characters that XML 1.0 has no form for, escaped or not."""
+    return _NOT_IN_XML.sub(lambda found: f"#x{ord(found[0]):02X}", text)

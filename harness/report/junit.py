@@ -1,12 +1,10 @@
 """Results as JUnit XML, with the elements and attributes that Jenkins, GitLab and pytest have in common."""
 
-import re
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from xml.etree import ElementTree
 
-_NOT_IN_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""Characters that XML 1.0 has no form for, escaped or not."""
+from railgrip.base.names import xml_text
 
 
 def junit_xml(suites: Mapping[str, Mapping[str, str]]) -> str:
@@ -19,15 +17,11 @@ def junit_xml(suites: Mapping[str, Mapping[str, str]]) -> str:
     now = datetime.now(UTC).isoformat(timespec="seconds")
     for suite, cases in suites.items():
         counts = {"tests": str(len(cases)), "failures": str(sum(map(bool, cases.values()))), "errors": "0"}
-        element = ElementTree.SubElement(root, "testsuite", {"name": _legal(suite), **counts, "timestamp": now})
+        element = ElementTree.SubElement(root, "testsuite", {"name": xml_text(suite), **counts, "timestamp": now})
         for case, sentence in cases.items():
-            names = {"classname": _legal(suite), "name": _legal(case)}
+            names = {"classname": xml_text(suite), "name": xml_text(case)}
             result = ElementTree.SubElement(element, "testcase", names)
             if sentence:
-                ElementTree.SubElement(result, "failure", message=_legal(sentence)).text = _legal(sentence)
+                ElementTree.SubElement(result, "failure", message=xml_text(sentence)).text = xml_text(sentence)
     ElementTree.indent(root)
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
-
-
-def _legal(text: str) -> str:
-    return _NOT_IN_XML.sub(lambda found: f"#x{ord(found[0]):02X}", text)

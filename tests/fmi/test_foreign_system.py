@@ -20,6 +20,7 @@ from railgrip.simulate.run import run_stop
 SSD, SSC = (f"{{http://ssp-standard.org/SSP1/SystemStructure{name}}}" for name in ("Description", "Common"))
 SCENARIO = """
 name = "abroad"
+description = "costs <$5> & \\u0001"
 seed = 1
 [vehicle]
 plant = "{plant}"
@@ -75,6 +76,7 @@ def test_fmpy_stops_the_train_where_railgrip_does(abroad: Path, system: Path):
 def test_a_reader_that_converts_units_and_one_that_transforms_pass_the_same_values(system: Path):
     """SSP 1.0, §5.4.4.1: a tool converts between the units of connectors unless this is suppressed, and transforms."""
     root = ET.fromstring(zipfile.ZipFile(system).read("SystemStructure.ssd"))
+    assert root[0].get("description") == "costs <$5> & #x01"
     units = {unit.attrib["name"]: float(unit[0].get("factor", 1)) for unit in root.iter(SSC + "Unit")}
     connectors = {
         (component.get("name"), connector.get("name")): connector[0].get("unit")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_bytes
-from railgrip.base.names import ElementName
+from railgrip.base.names import ElementName, xml_text
 from railgrip.base.system import SampledSystem
 from railgrip.fmi import Binding
 from railgrip.fmi.archive import read_description
@@ -235,8 +235,8 @@ def _unit(type_: ET.Element) -> dict[str, str]:
 
 def _element(parent: ET.Element | None, tag: str, **attributes: str) -> ET.Element:
     key, _, name = tag.partition(":")
-    full = f"{{{_NAMESPACES[key]}}}{name}"
-    return ET.Element(full, attributes) if parent is None else ET.SubElement(parent, full, attributes)
+    full, texts = f"{{{_NAMESPACES[key]}}}{name}", {key: xml_text(text) for key, text in attributes.items()}
+    return ET.Element(full, texts) if parent is None else ET.SubElement(parent, full, texts)
 
 
 def _bytes(root: ET.Element) -> bytes:
