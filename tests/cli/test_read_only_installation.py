@@ -1,9 +1,14 @@
-"""A stop writes nothing into the installation of railgrip and its dependencies, which may be read-only."""
+"""A stop writes nothing into the installation, which may be read-only; nor must a user write to other folders."""
 
+import json
 import os
+import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).parents[2]
 
@@ -66,3 +71,48 @@ def test_the_guard_stops_writes_to_the_sources(tmp_path):
     done = guarded("open(sys.argv[2], 'w')", tmp_path, str(ROOT / "harness/never_written.txt"))
     assert done.returncode == 99
     assert not (ROOT / "harness/never_written.txt").exists()
+
+
+PROGRAM = """
+import json, sys
+from railgrip.cli.app import main
+for words in json.loads(sys.argv[1]):
+    try:
+        main(words)
+    except SystemExit as end:
+        print(f"exit {end.code}", file=sys.stderr)
+"""
+REFUSED = {
+    "new scenario own.toml": (3, "own.toml: cannot be written: Permission denied"),
+    "table results --out table.csv": (2, "results: has neither campaign.json nor stop.json"),
+    "export plain --ssp a/plain.ssp": (2, "a: results cannot be written there: Permission denied"),
+    "run rig_slide": (2, ": results cannot be written there: Permission denied; name another folder by --out"),
+    "train check tram": (0, ""),
+}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="users and capabilities of Linux")
+def test_another_user_who_may_write_nowhere_gets_sentences(tmp_path):
+    """Root may write to all folders: the commands are then run as a user who may read all files, but change none."""
+    as_user = []
+    if os.geteuid() == 0:
+        may_read = [f"--{kind}-caps=+dac_read_search" for kind in ("inh", "ambient")]
+        as_user = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", *may_read]
+        if not shutil.which("setpriv") or subprocess.run([*as_user, "true"], check=False).returncode:
+            pytest.skip("root cannot become another user here")
+    tmp_path.chmod(0o555)
+    done = subprocess.run(
+        [*as_user, sys.executable, "-B", "-c", PROGRAM, json.dumps([words.split() for words in REFUSED])],
+        cwd=tmp_path,
+        env=os.environ | {"HOME": "/nonexistent", "RAILGRIP_CACHE": str(tmp_path / "cache"), "PYTHONPATH": ""},
+        capture_output=True,
+        encoding="utf-8",
+        check=False,
+    )
+    tmp_path.chmod(0o755)
+    assert "Traceback" not in done.stderr
+    said = re.split(r"exit (\d)\n", done.stderr)
+    assert [int(code) for code in said[1::2]] == [code for code, _ in REFUSED.values()], done.stderr
+    for (words, (_, sentence)), text in zip(REFUSED.items(), said[::2], strict=False):
+        assert sentence in text, words
+    assert list(tmp_path.iterdir()) == []
