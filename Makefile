@@ -21,7 +21,7 @@ DEV    := $(VENV)/.ready-dev
 EXTRA   = $(shell for name in $$CC cc gcc clang; do command -v "$$name" >/dev/null 2>&1 && exit; done; echo '[compiler]')
 
 .PHONY: help install fmus simulate searched shapes unseen adverse report conditioning conditioning-omc discretisation convergence headlines validation regress regress-long accept calibrate \
-        tune-control type-test bench mutants test test-all suite floors kept portable test-omc regress-omc suites fuzz check estimate tune lateral learn monitor k-factors trains docs clean
+        tune-control type-test bench target mutants test test-all suite floors kept portable test-omc regress-omc suites fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -152,6 +152,9 @@ trains: $(READY)  ## trains of this project against published stops, UIC 540 and
 
 bench: fmus  ## speed, as medians and ratios in one run
 	$(PROGRAM) study bench $(OPTIONS)
+
+target: $(READY)  ## the onboard part on a Cortex-M7 in QEMU: memory, instructions, outputs, docs/how_to/real_time_target.md (minutes)
+	$(PROGRAM) study cortex_m7 $(OPTIONS)
 
 # The tests fill two cores, but for their end; types and distances, in one process each, fill what is left of them.
 test: $(DEV)  ## lint, types, the tests that decide, and distances and figures against the accepted ones; prints its processor time

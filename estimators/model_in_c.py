@@ -163,6 +163,7 @@ def generate(model: ModelInC, gated_states: tuple[int, ...], gating_inputs: tupl
     )
     transition = transition_pattern(model.derivative_pattern, order)
     numbers = {"N": n, "M": m, "INPUTS": model.inputs, "WIDTH": width, "ORDER": order, "GATES": len(gated_states)}
+    numbers["BLOCK"] = max(place.stop for place in layout.values())
     numbers |= {part: place.start for part, place in layout.items()} | dict(model.sizes)
     tables = {"GATE_STATE": gated_states, "GATE_INPUT": gating_inputs}
     patterns = {"A": model.derivative_pattern, "H": model.output_pattern, "PHI": transition}

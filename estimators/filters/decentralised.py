@@ -190,7 +190,7 @@ class DecentralisedFilter(StepInC):
         numbers = {name: place.start for name, place in at.items()} | {
             "N": n, "M": m, "RANK": RANK, "WIDTH": width, "LENGTH": -(-(RANK + 3) // LANES) * LANES,
             "PARTS": len(self._members), "GATES": len(design.gated_states),
-            "TRACK_FORCE": design.inputs.index("track_force"),
+            "BLOCK": block.size, "TRACK_FORCE": design.inputs.index("track_force"),
         }  # fmt: skip
         sources = _sources(
             tuple(dict.fromkeys(part.model for part in consist.parts)),

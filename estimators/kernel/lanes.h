@@ -4,9 +4,9 @@
 #ifndef LANES_H
 #define LANES_H
 
-typedef double lane __attribute__((vector_size(LANE_BYTES), aligned(8), may_alias));
+typedef double lane __attribute__((vector_size(LANE_BYTES), aligned(sizeof(double)), may_alias));
 
-#define LANES(length) ((length) * 8 / LANE_BYTES)
+#define LANES(length) ((length) * (int)sizeof(double) / LANE_BYTES)
 
 /* sum = start + factor[0] rows[at[0]] + factor[1] rows[at[1]] + ..., `count` of them; without `at` the rows in their
    order. Only the vectors `from` to `to` of a row are summed, which are constants; `sum` may be `start`. */

@@ -36,7 +36,7 @@ static inline void combine_part(int from, int to, double *sum, const double *sta
 }
 
 /* Range of columns of row i in one half of a symmetric matrix, rounded to quarters of a row. */
-#define QUARTER(i) ((i) * 8 / LANE_BYTES * 4 / LANES(WIDTH))
+#define QUARTER(i) ((i) * (int)sizeof(double) / LANE_BYTES * 4 / LANES(WIDTH))
 
 static void combine_from(int i, double *sum, const double *start, int count, const double *factor, const int *at,
                          const row *rows)
@@ -63,9 +63,9 @@ static void combine_to(int i, double *sum, const double *start, int count, const
 /* Add one to the i-th number, as part of its vector: one stored alone would have the next load of the vector wait. */
 static inline void add_one(double *values, int i)
 {
-    const int each = LANE_BYTES / 8;
-    static const double ONE[2 * LANE_BYTES / 8] = {[LANE_BYTES / 8 - 1] = 1.0};
-    ((lane *)values)[i / each] += *(const lane *)(ONE + each - 1 - i % each);
+    enum { EACH = LANE_BYTES / sizeof(double) };
+    static const double ONE[2 * EACH] = {[EACH - 1] = 1.0};
+    ((lane *)values)[i / EACH] += *(const lane *)(ONE + EACH - 1 - i % EACH);
 }
 
 static int all_finite(const double *x, int count)

@@ -105,7 +105,11 @@ def straight_step(name: str, step: ca.Function, sizes: Sequence[int]) -> str:
     every = [ca.SX.sym(argument, size) for argument, size in zip("xup", sizes, strict=True)]
     arguments = every[: step.n_in()]
     following, output = step.expand().call(arguments) if arguments else ([], [])
-    return with_loops(ca.Function(name, every, [ca.densify(following), ca.densify(output)], {"cse": True}))
+    code = with_loops(ca.Function(name, every, [ca.densify(following), ca.densify(output)], {"cse": True}))
+    # MISRA C:2012, rules 2.2 and 10.4: no operation without effect, no integer as the alternative of a number.
+    for pattern, replacement in ((r"\b1 \* k", "k"), (r"\[0 \+ k", "[k"), (" : 0;", " : 0.0;")):
+        code = re.sub(pattern, replacement, code)
+    return code
 
 
 def _code(system: SampledSystem, waits: int) -> str:
@@ -284,7 +288,8 @@ _MAXIMUM_GAP = 4
 """Maximum distance of two nonzero words in one run: up to three zeros are shorter in C than a new run."""
 
 _POINTING = """
-typedef char pointers_have_8_bytes[sizeof(void *) == 8 ? 1 : -1];
+typedef char pointers_fit_in_words[sizeof(void *) <= 8 ? 1 : -1];
+typedef char words_are_aligned[offsetof(struct { char c; double x; long long y; }, y) == 16 ? 1 : -1];
 
 static void aim(unsigned long long *pointer, const void *target)
 {
@@ -337,10 +342,20 @@ def memory_in_c(root: Struct, headers: Iterable[str]) -> str:
             places[number] = f"table_{number}"
             tables.append(_table("unsigned long long", f"table_{number}", map(hex, region.words.tolist())))
     lines = [
-        f"    aim({places[number]} + {word}, (const char *)({places[target]}) + {offset});"
+        f"    aim({places[number]} + {word}, (const char *)({places[target]}){f' + {offset}' if offset else ''});"
         for number, word, _, target, offset in links
     ]
-    return "\n".join([*tables, *_write_words(np.concatenate(words)), _POINTING, *lines, "}", ""])
+    return "\n".join(["#include <stddef.h>", *tables, *_write_words(np.concatenate(words)), _POINTING, *lines, "}", ""])
+
+
+def align_pointers(header: str) -> str:
+    """Return a header whose structs have the same layout where pointers have 4 bytes as where they have 8."""
+    return re.sub(
+        r"typedef struct \{.*?\n\}",
+        lambda struct: re.sub(r"(?m)^    (?=[\w ]+\*)", "    __attribute__((aligned(8))) ", struct[0]),
+        header,
+        flags=re.DOTALL,
+    )
 
 
 def _linked(root: Struct) -> tuple[list[_Region], list[tuple[int, int, str, int, int]]]:

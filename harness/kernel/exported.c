@@ -10,16 +10,6 @@
 #include "onboard.h"
 #include "vectors.h"
 
-static void write_plant_outputs(Plant *plant, const double *input)
-{
-    static const int place[] = {INPUT_PLACES};
-
-    fill(plant->outputs, NOTHING, OUTPUTS);
-    for (unsigned i = 0; i < sizeof place / sizeof *place; i++)
-        plant->outputs[place[i]] = input[i];
-    complete_slip(plant);
-}
-
 /* Write the part's outputs from a vector; return the position after them. */
 static double *write_outputs(double *output, const double *vector)
 {
@@ -28,6 +18,17 @@ static double *write_outputs(double *output, const double *vector)
     for (unsigned i = 0; i < sizeof place / sizeof *place; i++)
         *output++ = vector[place[i]];
     return output;
+}
+
+#ifndef ONBOARD_ALONE
+static void write_plant_outputs(Plant *plant, const double *input)
+{
+    static const int place[] = {INPUT_PLACES};
+
+    fill(plant->outputs, NOTHING, OUTPUTS);
+    for (unsigned i = 0; i < sizeof place / sizeof *place; i++)
+        plant->outputs[place[i]] = input[i];
+    complete_slip(plant);
 }
 
 /* Track and driver: from the plant's outputs to all of the plant's inputs except the command, and the driver's
@@ -84,6 +85,7 @@ static int sample_sensors(Cycle *c, const double *input, const double *parameter
     copy(output, instruments->reading, READINGS);
     return 0;
 }
+#endif
 
 /* Update the filter with readings; return whether it has diverged. */
 static int update_filter(Cycle *c, const double *input)

@@ -1,5 +1,5 @@
 /* The parts of a sample: readings, estimate, decision, rail. They are called by the loop (cycle.c), and by the FMUs of
-   single parts (exported.c). */
+   single parts (exported.c). With ONBOARD_ALONE those of the plant's side are left out. */
 
 #include <math.h>
 
@@ -17,32 +17,9 @@ static double slip_of(double speed, double rim_speed)
     return speed < SMALL_SPEED ? 0.0 : 1.0 - rim_speed / speed;
 }
 
-/* Compute the slip of a plant that does not output it. */
-void complete_slip(Plant *plant)
+int is_due(Rate rate, long long step)
 {
-    double *outputs = plant->outputs;
-
-    if (!plant->slip_radius)
-        return;
-    for (int g = 0; g < GROUPS; g++)
-        outputs[OUTPUT_SLIP + g] =
-            slip_of(outputs[OUTPUT_SPEED], plant->slip_radius[g] * outputs[OUTPUT_WHEELSET_SPEED + g]);
-}
-
-void read_sensors(Instruments *instruments, long long sample, const double *outputs)
-{
-    double *reading = instruments->reading;
-
-    if (instruments->service) {
-        read_service(instruments->service, sample, outputs, reading);
-        return;
-    }
-    for (int i = 0; i < READINGS; i++) {
-        reading[i] = outputs[instruments->output_at[i]];
-        if (instruments->noise)
-            reading[i] = reading[i] * instruments->gain[i] + instruments->bias[i] +
-                         instruments->noise[sample % instruments->block * READINGS + i];
-    }
+    return step * rate.turns % rate.steps < rate.turns;
 }
 
 /* Store the newest reading of every sensor, and those that are new since the last step of the filter. The first reading
@@ -289,6 +266,35 @@ int compute_command(Cycle *c)
     return all_finite(onboard->command);
 }
 
+#ifndef ONBOARD_ALONE
+/* Compute the slip of a plant that does not output it. */
+void complete_slip(Plant *plant)
+{
+    double *outputs = plant->outputs;
+
+    if (!plant->slip_radius)
+        return;
+    for (int g = 0; g < GROUPS; g++)
+        outputs[OUTPUT_SLIP + g] =
+            slip_of(outputs[OUTPUT_SPEED], plant->slip_radius[g] * outputs[OUTPUT_WHEELSET_SPEED + g]);
+}
+
+void read_sensors(Instruments *instruments, long long sample, const double *outputs)
+{
+    double *reading = instruments->reading;
+
+    if (instruments->service) {
+        read_service(instruments->service, sample, outputs, reading);
+        return;
+    }
+    for (int i = 0; i < READINGS; i++) {
+        reading[i] = outputs[instruments->output_at[i]];
+        if (instruments->noise)
+            reading[i] = reading[i] * instruments->gain[i] + instruments->bias[i] +
+                         instruments->noise[sample % instruments->block * READINGS + i];
+    }
+}
+
 /* Write friction, creep curves, force of track and traction, and the demands for brakes to the inputs of the plant. */
 void update_rail_inputs(Cycle *c)
 {
@@ -303,3 +309,4 @@ void update_rail_inputs(Cycle *c)
     c->plant->inputs[INPUT_BRAKE_DEMAND] = largest_share(c->onboard, driver_demand(c));
 #endif
 }
+#endif

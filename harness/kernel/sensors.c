@@ -10,11 +10,6 @@ long long turn_at(Rate rate, long long step)
     return step * rate.turns / rate.steps;
 }
 
-int is_due(Rate rate, long long step)
-{
-    return step * rate.turns % rate.steps < rate.turns;
-}
-
 /* Angle of a tooth: count times pitch, plus its error, which repeats with every revolution. */
 static double tooth(const Encoder *encoder, long long count)
 {

@@ -1,5 +1,6 @@
 """The onboard part as a C library: a program linked with it decides like the FMU."""
 
+import csv
 import re
 import shutil
 import subprocess
@@ -15,6 +16,7 @@ from railgrip.fmus.native.package import pack
 from railgrip.fmus.native.toolchain import compiler
 from railgrip.scenario.load import load
 from railgrip.simulate.export.c_parts import part_fmu, write_library
+from railgrip.studies.cortex_m7.build import missing_programs
 
 PERIOD = 1e-3
 SHORT = ("--set", "estimator.kind=none", "--set", "controller.kind=slip_two_state", "--set", "start.speed=10 km/h")
@@ -122,3 +124,16 @@ def test_the_command_writes_the_library(tmp_path: Path):
     assert not (tmp_path / "sources" / "plain.c").exists()
     shutil.copy(tmp_path / "worst_case.c", tmp_path / "program.c")
     compiled(tmp_path / "program.c", tmp_path, "-lpthread")
+
+
+@pytest.mark.skipif(bool(missing_programs()), reason=f"not on the PATH: {', '.join(missing_programs())}")
+def test_the_onboard_part_decides_on_a_microcontroller_as_here(tmp_path: Path):
+    """The quick form of `make target`, by the command `study cortex_m7`."""
+    assert exit_code("study", "cortex_m7", "--quick", "--out", tmp_path) == 0
+    rows = [*csv.DictReader((tmp_path / "quick" / "target.csv").open())]
+    difference = {row["arithmetic"]: float(row["largest difference"]) for row in rows}
+    assert difference["double"] == 0.0 < difference["single"] < 0.01
+    for row in rows:
+        assert 0 < float(row["stack, painted [kB]"]) <= float(row["stack, computed [kB]"])
+        assert 10_000 < float(row["instructions a step, median"]) <= float(row["worst"])
+        assert float(row["loop"]) == pytest.approx(1.0, abs=1e-3), "instructions are counted"

@@ -24,7 +24,7 @@ from railgrip.base.names import ElementName
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmi import CoSimulation
-from railgrip.fmus.native.discrete import MemoryImage, memory_image
+from railgrip.fmus.native.discrete import MemoryImage, align_pointers, memory_image
 from railgrip.fmus.native.package import HEADERS
 from railgrip.fmus.native.toolchain import WEB, binary
 from railgrip.kernel import headers, kernel, texts
@@ -251,7 +251,7 @@ def _files(opened: StopAssembly) -> tuple[dict[str, str], dict[str, Any]]:
     for package, names in places.items():
         folder = resources.files(f"railgrip.{package}") / "kernel"
         files |= {name: (folder / name).read_text(encoding="utf-8") for name in names}
-    aligned = {name: _align_pointers(text) if name.endswith(".h") else text for name, text in files.items()}
+    aligned = {name: align_pointers(text) if name.endswith(".h") else text for name, text in files.items()}
     sources, (_, binding, assignments) = _sources_of(plant), plant.setup
     guid = re.search(r"#define MODEL_GUID (.*)", sources["plant_model.c"])
     return aligned | sources | {"contact.h": opened.vehicle.contact_header}, {
@@ -261,16 +261,6 @@ def _files(opened: StopAssembly) -> tuple[dict[str, str], dict[str, Any]]:
         "inputs": binding.inputs.channels,
         "outputs": binding.outputs.channels,
     }
-
-
-def _align_pointers(text: str) -> str:
-    """Return a header whose structs have the same layout where pointers have 4 bytes as where they have 8."""
-    return re.sub(
-        r"typedef struct \{.*?\n\}",
-        lambda struct: re.sub(r"(?m)^    (?=[\w ]+\*)", "    __attribute__((aligned(8))) ", struct[0]),
-        text,
-        flags=re.DOTALL,
-    )
 
 
 def _data(scenario: Scenario, opened: StopAssembly) -> dict[str, Any]:

@@ -14,7 +14,14 @@ from railgrip.base.records import claim
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
-from railgrip.fmus.native.discrete import WrittenStep, memory_in_c, sources, sources_of_library, straight_step
+from railgrip.fmus.native.discrete import (
+    WrittenStep,
+    align_pointers,
+    memory_in_c,
+    sources,
+    sources_of_library,
+    straight_step,
+)
 from railgrip.fmus.native.package import Source, c_identifier
 from railgrip.fmus.native.toolchain import FMU_FLAGS, Struct, static_library
 from railgrip.kernel import headers, kernel, texts
@@ -32,7 +39,8 @@ from railgrip.vehicle.signals import DRIVER_DEMAND, ESTIMATED_STATES, OBSERVATIO
 Kind = Literal["onboard", "estimator", "sensors", "track"]
 """onboard: from readings and the driver's demand to commands; track: the rail and the driver."""
 
-_UNITS = ("onboard.c", "sensors.c", "rail.c", "driver.c", "exported.c")
+_UNITS = ("onboard.c", "exported.c")
+_UNITS_OF_PLANT = ("sensors.c", "rail.c", "driver.c")
 _ESTIMATED = tuple(signal for signal in OBSERVATION if signal.name != "driver_demand")
 """Signals of an observation that an estimator outputs."""
 
@@ -132,10 +140,13 @@ def with_filter_in_c(scenario: Scenario) -> Scenario:
 
 def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> SampledSystem:
     layout, estimator = parts.layout, parts.estimator
-    files = headers(layout) | texts(*_UNITS) | {"export.h": "#define EXPORT\n"}
+    files = {name: align_pointers(text) for name, text in headers(layout).items()}
+    is_onboard = kind in ("onboard", "estimator")
+    included = _UNITS if is_onboard else (*_UNITS_OF_PLANT, *_UNITS)
+    files |= texts(*included) | {"export.h": "#define EXPORT\n"}
     units: tuple[str, ...] = ()
     calls = [f"    c->{field}.call = call_{_name(field)};" for field in role.formulas]
-    if kind in ("onboard", "estimator") and isinstance(estimator, StateEstimator):
+    if is_onboard and isinstance(estimator, StateEstimator):
         assert isinstance(estimator.filter, StepInC)
         files |= sources_of_filter(estimator.filter)
         units = ("plain.c",)
@@ -150,7 +161,8 @@ def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Sample
     }
     text = [
         *(f"#define {name} {value}" for name, value in macros.items()),
-        *(f'#include "{name}"' for name in _UNITS),
+        *(("#define ONBOARD_ALONE",) if is_onboard else ()),
+        *(f'#include "{name}"' for name in included),
         memory_in_c(role.struct, headers(layout).values()),
         *(write_call(_name(field), formula) for field, formula in role.formulas.items()),
         "int step_plain(double *block);",

@@ -1,0 +1,141 @@
+"""The onboard part on a Cortex-M7: memory, instructions and outputs of cases in an emulator."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+import numpy as np
+from typer import Option
+
+from railgrip.base.arrays import Matrix
+from railgrip.base.errors import BuildFailed, CompilerMissing
+from railgrip.base.files import scratch
+from railgrip.campaign.work import Work
+from railgrip.report.page import Page
+from railgrip.report.table import ReportTable, write_tables
+from railgrip.scenario.load import load
+from railgrip.studies.cortex_m7.build import PACKAGES, TargetBuild, missing_programs
+from railgrip.studies.study import Study
+
+PAGE: Final = Path("docs/how_to/real_time_target.md")
+
+_VALVES: Final = ("actuation.kind=pneumatic",)
+_PLANT: Final = ("vehicle.plant=TwoPartTrainPneumatic", *_VALVES)
+CASES: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
+    "central, 13 states": ("trapezoid", (*_PLANT, "estimator.model=TrainPredictionReduced")),
+    "central, 25 states": ("trapezoid", _PLANT),
+    "decentralised, 25 states": ("railcar", _VALVES),
+}
+"""Filter → scenario and overrides; all have valve logic."""
+
+ARITHMETIC: Final = {"double": (), "double, contracted": ("-ffp-contract=fast",), "single": ()}
+"""Arithmetic of the filter → flags. Law and valves always compute in double precision."""
+
+COLUMNS: Final = {
+    "filter": "{}",
+    "arithmetic": "{}",
+    "flash [kB]": "{:.1f}",
+    "state [kB]": "{:.1f}",
+    "stack, computed [kB]": "{:.1f}",
+    "stack, painted [kB]": "{:.1f}",
+    "instructions a step, median": "{:,.0f}",
+    "worst": "{:,.0f}",
+    "ends": "{}",
+    "largest difference": lambda value: "none" if value == 0.0 else f"{value:.1e}",
+}
+
+
+@dataclass(frozen=True)
+class CortexM7(Study, quick="13 states over 50 ms"):
+    """Compile the onboard part for a Cortex-M7, run it in QEMU over the readings of a stop, and compare its outputs."""
+
+    write: Annotated[bool, Option("--write", help=f"Write the tables into {PAGE}.")] = False
+    has_cases = False
+
+    def page(self, work: Work) -> Page:
+        """Build and run the cases one after the other.
+
+        Raises:
+            CompilerMissing: A program is missing.
+            BuildFailed: A case does not compile, or its code has what the page excludes, such as a recursion.
+        """
+        if missing := missing_programs(*(() if self.quick else ("cppcheck",))):
+            raise CompilerMissing(f"{', '.join(missing)}: not on the PATH; {PACKAGES}.")
+        rows, checks = list[dict[str, Any]](), list[dict[str, Any]]()
+        rules = dict[str, set[tuple[str, str]]]()
+        for name, (scenario, overrides) in [*CASES.items()][: 1 if self.quick else None]:
+            work.notify(name)
+            speed = f"start.speed={10 if self.quick else 30} km/h"
+            with scratch("study") as folder:
+                build = TargetBuild(load(Path(scenario), (*overrides, speed)), folder, 50 if self.quick else None)
+                here = build.run_here()
+                for arithmetic, flags in ARITHMETIC.items():
+                    if (flags and name != next(iter(CASES))) or (flags and self.quick):
+                        continue
+                    build.compile(*flags, is_single=arithmetic == "single")
+                    rows.append({"filter": name, "arithmetic": arithmetic} | _figures(build, here))
+                    if arithmetic == "double":
+                        checks.append({"filter": name} | _checks(build))
+                        if not self.quick and name.startswith("central"):
+                            for rule, places in build.misra().items():
+                                rules.setdefault(rule, set()).update(places)
+        loops = [2e5 * row["loop"] for row in rows]
+        tables: dict[str, ReportTable | str] = {
+            "target": ReportTable(rows, COLUMNS, ("filter", "arithmetic")),
+            "checks": ReportTable(checks, left=("filter", "functions of libraries")),
+            "misra": _misra(rules),
+            "counted": f"A loop of 200,000 instructions is counted as {min(loops):,.0f} to {max(loops):,.0f}.",
+        }
+        if self.write:
+            write_tables(PAGE, tables)
+        worst = max(rows, key=lambda row: row["worst"])
+        return Page(
+            title="The onboard part on a Cortex-M7",
+            question="How much memory and how many instructions does the onboard part need on a microcontroller?",
+            answer=f"At most {worst['worst']:,.0f} instructions a step ({worst['filter']}, {worst['arithmetic']}).",
+            template="studies/cortex_m7/cortex_m7.md.jinja",
+            values=tables,
+            tables={f"{name}.csv": table for name, table in tables.items() if isinstance(table, ReportTable)},
+            screen=tuple(tables.values()),
+        )
+
+
+def _figures(build: TargetBuild, here: Matrix) -> dict[str, Any]:
+    run, sizes = build.run(), build.sizes()
+    here = here[: run.failed]
+    scale = np.maximum(np.nanmax(np.abs(here), axis=0), np.finfo(float).tiny)
+    unlike = np.any(np.isnan(here) != np.isnan(run.outputs))
+    return {
+        "flash [kB]": sizes["flash"] / 1e3,
+        "state [kB]": sizes["state"] / 1e3,
+        "stack, computed [kB]": build.stack() / 1e3,
+        "stack, painted [kB]": run.stack / 1e3,
+        "instructions a step, median": float(np.median(run.instructions)),
+        "worst": float(np.max(run.instructions)),
+        "largest difference": np.inf if unlike else float(np.nanmax(np.abs(run.outputs - here) / scale)),
+        "ends": "" if run.failed is None else f"diverges at step {run.failed}",
+        "loop": run.of_loop,
+    }
+
+
+def _checks(build: TargetBuild) -> dict[str, Any]:
+    counting, others = build.loops()
+    if problems := [*build.variables(), *others]:
+        raise BuildFailed(f"{build.name}: states share variables, or a loop does not count: {', '.join(problems)}.")
+    return {"functions of libraries": ", ".join(build.linked()), "loops that count": counting}
+
+
+def _misra(rules: Mapping[str, set[tuple[str, str]]]) -> ReportTable:
+    text = (files("railgrip.studies.cortex_m7") / "library" / "misra.toml").read_text(encoding="utf-8")
+    reasons = tomllib.loads(text)
+    order = sorted(rules, key=lambda rule: [int(part) for part in rule.split(".")])
+    columns = ("rule", "findings", "subject", "why it remains")
+    return ReportTable.of(
+        columns, [(rule, len(rules[rule]), *reasons.get(rule, ("", "not yet assessed"))) for rule in order], left=4
+    )
+
+
+STUDY = CortexM7
