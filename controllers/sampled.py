@@ -124,6 +124,18 @@ def within(value: Expression, low: Expression, high: Expression) -> Expression:
     return choose(value > low, choose(value < high, value, high), low)
 
 
+def time_release(
+    time: Expression, is_released: Expression, *, period: Expression, longest: Expression, applied: Expression
+) -> Expression:
+    """Return the next value of a timer [s] of a release, and of the braking that follows one that lasted too long.
+
+    The brake is to be applied while the timer is at `longest` or above. It restarts at zero after `applied` [s], or
+    when a shorter release ends.
+    """
+    longer = time + period
+    return choose(time >= longest, choose(time >= longest + applied, 0.0, longer), choose(is_released, longer, 0.0))
+
+
 class LowPassDerivatives:
     """First-order low-pass filters that also return the derivative of the filtered signal."""
 

@@ -1,4 +1,4 @@
-"""Decisions for the whole train on top of a law's demands for its groups: shared valves and redistribution."""
+"""Decisions on top of a law's demands for its groups: shared valves, redistribution and a limit on releases."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -12,7 +12,7 @@ import casadi as ca
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers.law import Law, by_name, pressure_for
 from railgrip.controllers.law import law as formula_of_law
-from railgrip.controllers.sampled import Expression, choose
+from railgrip.controllers.sampled import Expression, choose, every, time_release
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.signals import TRAIN_INPUTS
 
@@ -24,6 +24,13 @@ PAD_FRICTION = 0.35
 
 T_REDISTRIBUTION = 0.3
 """Time constant [s] of the demand on other groups, longer than a pulse of a slip controller."""
+
+
+RELEASED = 0.05
+"""Share of the driver's demand below which a group counts as released: its pads have no effect worth mentioning."""
+
+T_APPLIED = 1.0
+"""Time [s] for which a group is braked after a release that lasted too long, as in `wheel_reference`."""
 
 
 def pass_through(groups: Sequence[Brake]) -> Law:
@@ -89,6 +96,30 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
     formula = replace(law.formula, states=(*law.formula.states, state))
     extended = (ca.vertcat(symbols[0], last), *symbols[1:])
     return _law(law, groups, replace(formula, step=_step(extended, ca.vertcat(following, filtered), results)))
+
+
+def with_release_limit(law: Law, groups: Sequence[Brake], *, period: float, release_max: float) -> Law:
+    """Return a law that demands the driver's pressure from a group after a release of `release_max` [s].
+
+    The group is braked for `T_APPLIED`, whatever the law demands; then it may be released again. It is for what a law
+    cannot notice itself, such as a dead speed sensor. EN 15595 requires a monitor of wheel-slide protection.
+    """
+    demands, following, symbols = _open_formula(law.formula)
+    inputs = _by_name(law.formula.inputs, symbols[1])
+    states = [
+        Variable(name=f"release_time[{g}]", unit="s", description="since the begin of a release")
+        for g in range(1, len(demands) + 1)
+    ]
+    times = ca.SX.sym("release_time", len(demands))
+    results, onwards = list[Expression](), list[Expression]()
+    for g, demand in enumerate(demands):
+        time, request = times[g], inputs[f"driver_demand[{g + 1}]"]
+        is_released = demand < RELEASED * request
+        results.append(choose(every(time >= release_max, demand < request), request, demand))
+        onwards.append(time_release(time, is_released, period=period, longest=release_max, applied=T_APPLIED))
+    formula = replace(law.formula, states=(*law.formula.states, *states))
+    extended = (ca.vertcat(symbols[0], times), *symbols[1:])
+    return _law(law, groups, replace(formula, step=_step(extended, ca.vertcat(following, *onwards), results)))
 
 
 def _lower(this: Expression, other: Expression) -> Expression:

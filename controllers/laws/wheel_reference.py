@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, time_release
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,7 +125,8 @@ class WheelReference(GroupLaw):
             slides.append(every(protecting, either(vent_criterion, above_low)))
 
             venting = every(protecting, either(vent_criterion, test_release), vented < tuning["vent_max"])
-            draft.keep(vented, _watchdog(vented, venting, tuning))
+            limit = {"longest": tuning["vent_max"], "applied": tuning["apply_time"]}
+            draft.keep(vented, time_release(vented, venting, period=period, **limit))
 
             # After a slide the pressure rises from its value at the end of the slide, not from zero.
             holding = every(hold_criterion, vented < tuning["vent_max"])
@@ -154,13 +155,6 @@ def _reference(train: Sequence[GroupObservation], started: Expression, minimum: 
         fastest = choose(_rolling(group) > fastest, _rolling(group), fastest)
     # The minimum follows from the last reference, which does not exist at the first sample.
     return choose(started, choose(fastest > minimum, fastest, minimum), fastest)
-
-
-def _watchdog(vented: Expression, venting: Expression, tuning: Mapping[str, Expression]) -> Expression:
-    # The count continues while the group is braked, and restarts at zero after `apply_time`.
-    longer = vented + tuning["period"]
-    over = vented >= tuning["vent_max"] + tuning["apply_time"]
-    return choose(vented >= tuning["vent_max"], choose(over, 0.0, longer), choose(venting, longer, 0.0))
 
 
 def _rolling(group: GroupObservation) -> Expression:

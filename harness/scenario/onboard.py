@@ -125,6 +125,10 @@ class _TrainLevelTable(Table):
     shared_valve: Literal["lowest", "mean"] = optional(
         "how groups that share a valve agree: the lowest demand or the mean", default="lowest"
     )
+    release_max: Duration | None = optional(
+        "a group that is released for longer is braked for 1 s as the driver demands, whatever the law demands; "
+        "without it there is no limit"
+    )
 
 
 class BuiltInLaw(_TrainLevelTable):

@@ -21,7 +21,7 @@ from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.parameters import SEARCHED
 from railgrip.controllers.sampled import Sampled
-from railgrip.controllers.train_level import pass_through, with_redistribution, with_shared_valves
+from railgrip.controllers.train_level import pass_through, with_redistribution, with_release_limit, with_shared_valves
 from railgrip.controllers.valves import BAND, PULSE_MIN, ValveLogic, ValveModel
 from railgrip.fmi import Binding, Description, bind, foreign_code, open_plant
 from railgrip.scenario.onboard import BuiltInLaw as LawTable
@@ -273,9 +273,10 @@ def open_controller(stop: Opening, estimates: Collection[str]) -> tuple[LoopCont
             "remains."
         )
     controller, commands_valves = stop.stack.enter_context(opening(stop.notify)), gives == "command"
-    if commands_valves and table.redistribute:
+    given = [key for key in ("redistribute", "release_max") if getattr(table, key)]
+    if commands_valves and given:
         raise ScenarioError(
-            f"{scenario.name}: [controller] redistribute shares out pressures, but {name} commands the valves; "
+            f"{scenario.name}: [controller] {' and '.join(given)} changes pressures, but {name} commands the valves; "
             "leave it out, or let the FMU give demand [Pa]"
         )
     return controller, commands_valves
@@ -344,7 +345,11 @@ def _add_train_level(vehicle: VehicleData, law: Law) -> Law:
         law = with_redistribution(
             law, groups, period=scenario.periods.controller, adhesion_max=scenario.limits.alpha_max
         )
-    return with_shared_valves(law, groups, valves, table.shared_valve) if valves and max(valves) > 1 else law
+    if valves and max(valves) > 1:
+        law = with_shared_valves(law, groups, valves, table.shared_valve)
+    if table.release_max is not None:
+        law = with_release_limit(law, groups, period=scenario.periods.controller, release_max=table.release_max)
+    return law
 
 
 def _group_law(vehicle: VehicleData) -> Law:

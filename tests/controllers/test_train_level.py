@@ -14,6 +14,7 @@ from railgrip.controllers.train_level import (
     PAD_FRICTION,
     pass_through,
     with_redistribution,
+    with_release_limit,
     with_shared_valves,
 )
 from railgrip.vehicle.brake import Brake
@@ -99,14 +100,24 @@ def test_redistribution_works_on_top_of_a_law_without_states():
     assert settled(law, now) == pytest.approx(now.driver_demand)
 
 
+def test_a_release_ends_after_its_longest_time_and_no_law_prevents_it():
+    """Of the group whose sensor is dead only; for 1 s the driver's demand is applied, and then it starts again."""
+    law = with_release_limit(slip_based(), GROUPS, period=0.1, release_max=2.0)
+    second = np.array([law.decide(observed((1.0, 0.01, 0.01), 0.5)) for _ in range(62)])
+    released = ([0.0] * 20 + [1.5e5] * 11) * 2
+    assert second[:, 0] == pytest.approx(released)
+    assert second[:, 1:] == pytest.approx(np.array([slip_based().decide(observed((0.01,) * 3, 0.5))] * 62)[:, 1:])
+
+
 OVER_THE_TRAIN = pytest.mark.parametrize(
     "over",
     [
         lambda law: with_shared_valves(law, GROUPS, (1, 2), "lowest"),
         lambda law: with_shared_valves(law, GROUPS, (1, 2), "mean"),
         lambda law: with_redistribution(law, GROUPS, period=1e-3, adhesion_max=0.15),
+        lambda law: with_release_limit(law, GROUPS, period=1e-3, release_max=0.02),
     ],
-    ids=["lowest", "mean", "redistribution"],
+    ids=["lowest", "mean", "redistribution", "limit on releases"],
 )
 
 
