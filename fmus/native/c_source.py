@@ -117,7 +117,7 @@ IN_C = {
     "OP_NOT": "!x",
     "OP_AND": "x && y",
     "OP_OR": "x || y",
-    "OP_IF_ELSE_ZERO": "x ? y : 0",
+    "OP_IF_ELSE_ZERO": "x ? y : 0.0",
     **{f"OP_{name.upper()}": f"{name}(x)" for name in _UNARY},
     **{f"OP_{name.upper()}": f"{name}(x, y)" for name in _BINARY},
 }

@@ -105,11 +105,7 @@ def straight_step(name: str, step: ca.Function, sizes: Sequence[int]) -> str:
     every = [ca.SX.sym(argument, size) for argument, size in zip("xup", sizes, strict=True)]
     arguments = every[: step.n_in()]
     following, output = step.expand().call(arguments) if arguments else ([], [])
-    code = with_loops(ca.Function(name, every, [ca.densify(following), ca.densify(output)], {"cse": True}))
-    # MISRA C:2012, rules 2.2 and 10.4: no operation without effect, no integer as the alternative of a number.
-    for pattern, replacement in ((r"\b1 \* k", "k"), (r"\[0 \+ k", "[k"), (" : 0;", " : 0.0;")):
-        code = re.sub(pattern, replacement, code)
-    return code
+    return with_loops(ca.Function(name, every, [ca.densify(following), ca.densify(output)], {"cse": True}))
 
 
 def _code(system: SampledSystem, waits: int) -> str:

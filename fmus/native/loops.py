@@ -278,7 +278,9 @@ class _LoopWriter:
         # An expression of the place for each k.
         first, step = places[0], places[1] - places[0] if len(places) > 1 else 0
         if all(place == first + step * k for k, place in enumerate(places)):
-            return f"{first}" + (f" + {step} * k" if step else "")
+            # No operation without effect (MISRA C:2012, rule 2.2).
+            moving = "" if not step else "k" if step == 1 else f"{step} * k"
+            return f"{first} + {moving}" if first and moving else moving or f"{first}"
         key = tuple(places)
         if key not in self.at:
             self.at[key] = len(self.table)
