@@ -1,7 +1,6 @@
 """An input file may be a pipe, a device, a folder, huge, or not text: the command reports it at once in a sentence."""
 
 import re
-import zipfile
 
 import pytest
 from test_files_of_users import make_obstacle, needs_posix
@@ -28,15 +27,3 @@ def test_an_odd_file_is_refused_in_a_sentence(command, project, monkeypatch, wor
     result = command(*words.split())
     assert result.code == 2, result.err
     assert len(result.err.strip()) > 20
-
-
-@pytest.mark.parametrize("given", [("map", "system.ssp"), ("run", "wet.toml", "--set", "vehicle.plant=system.ssp")])
-def test_an_ssp_system_is_not_accepted_as_a_plant(command, project, monkeypatch, given):
-    monkeypatch.chdir(project)
-    with zipfile.ZipFile("system.ssp", "w") as archive:
-        archive.writestr("SystemStructure.ssd", "<ssd/>")
-        archive.writestr("resources/train.fmu", b"")
-    result = command(*given)
-    assert result.code == 2
-    assert "a system by SSP" in result.err
-    assert "railgrip exports" in result.err

@@ -51,45 +51,11 @@ def test_closed_streams_do_not_change_the_exit_code(command: str, code: int, clo
         assert "nosuch" in done.stderr
 
 
-CLOCK = """
-#define _GNU_SOURCE
-#include <sys/syscall.h>
-#include <sys/time.h>
-#include <time.h>
-#include <unistd.h>
-#define OWN __attribute__((visibility("default")))
-static long jump(void) {
-    static const long days[] = {0, -400, 2, -12000, 4000};
-    static unsigned calls;
-    return 86400 * days[calls++ % 5];
-}
-OWN int clock_gettime(clockid_t clock, struct timespec *now) {
-    long failed = syscall(SYS_clock_gettime, clock, now);
-    if (!failed && clock == CLOCK_REALTIME) now->tv_sec += jump();
-    return (int)failed;
-}
-OWN time_t time(time_t *seconds) {
-    struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    if (seconds) *seconds = now.tv_sec;
-    return now.tv_sec;
-}
-OWN int gettimeofday(struct timeval *restrict value, void *restrict zone) {
-    struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    *value = (struct timeval){now.tv_sec, now.tv_nsec / 1000};
-    (void)zone;
-    return 0;
-}
-"""
-"""A wall clock that is put forward and back by days and years at each reading; other clocks run on."""
-
-
 def test_results_do_not_depend_on_closed_streams_or_the_clock(tmp_path: Path) -> None:
     """Output of the plant or the program does not end up in a file that reuses the number of a closed stream."""
     ways = {"open": ({}, ""), "closed": ({}, "<&- >&- 2>&-")}
     if sys.platform == "linux":
-        clock = str(shared_library({"clock.c": CLOCK}, "clock"))
+        clock = str(shared_library({"clock.c": Path(__file__).with_name("clock.c").read_text()}, "clock"))
         ways["late"] = ({"LD_PRELOAD": clock, "TZ": "<+2459>-24:59:59<-2459>24:59:59,0/167,J365/-167"}, "")
         years = "import time; t = [time.time() for _ in range(9)]; print((max(t) - min(t)) / 3.2e7)"
         assert float(shell(f"{shlex.quote(sys.executable)} -c '{years}'", tmp_path, **ways["late"][0]).stdout) > 30

@@ -85,7 +85,6 @@ for words in json.loads(sys.argv[1]):
 REFUSED = {
     "new scenario own.toml": (3, "own.toml: cannot be written: Permission denied"),
     "table results --out table.csv": (2, "results: has neither campaign.json nor stop.json"),
-    "export plain --ssp a/plain.ssp": (2, "a: results cannot be written there: Permission denied"),
     "run rig_slide": (2, ": results cannot be written there: Permission denied; name another folder by --out"),
     "train check tram": (0, ""),
 }

@@ -6,6 +6,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
+from wrong import table
 
 from railgrip.fmus.native import Model, lower
 
@@ -22,43 +23,9 @@ SURFACES = {
     "BroadLeaf": (0.04, 0.015, 0.10, 0.5, 0.10),
 }
 PEAKS = {
-    # (surface, km/h): slip at the peak in per cent and adhesion there where known, from an independent computation with
-    # elliptic integrals and Kalker's table, Q = 68.7 kN, r = 0.38 m
-    ("Dry", 5): (9.8, 0.501),
-    ("Dry", 20): (5.0, 0.459),
-    ("Dry", 40): (3.5, 0.429),
-    ("Dry", 80): (2.5, 0.392),
-    ("Dry", 120): (2.0, 0.368),
-    ("Wet", 5): (26.5, 0.276),
-    ("Wet", 20): (13.5, 0.255),
-    ("Wet", 40): (9.6, 0.239),
-    ("Wet", 80): (6.8, 0.220),
-    ("Wet", 120): (5.6, 0.207),
-    ("LowAdhesion", 5): (11.7, 0.058),
-    ("LowAdhesion", 20): (5.9, 0.0556),
-    ("LowAdhesion", 40): (4.2, 0.054),
-    ("LowAdhesion", 80): (3.0, 0.0518),
-    ("LowAdhesion", 120): (2.5, 0.050),
-    ("MalDry", 5): (2.0, 0.454),
-    ("MalDry", 20): (1.35, None),
-    ("MalDry", 40): (1.1, None),
-    ("MalDry", 80): (0.91, 0.418),
-    ("MalDry", 120): (0.81, None),
-    ("MalWorst", 5): (0.75, 0.0997),
-    ("MalWorst", 20): (0.53, None),
-    ("MalWorst", 40): (0.44, None),
-    ("MalWorst", 80): (0.37, 0.098),
-    ("MalWorst", 120): (0.33, None),
-    ("BroadSoap", 5): (37, None),
-    ("BroadSoap", 20): (19, None),
-    ("BroadSoap", 40): (13.5, None),
-    ("BroadSoap", 80): (9.5, 0.0722),
-    ("BroadSoap", 120): (7.6, 0.068),
-    ("BroadLeaf", 5): (60, None),
-    ("BroadLeaf", 20): (30, None),
-    ("BroadLeaf", 40): (22, None),
-    ("BroadLeaf", 80): (15.6, 0.0751),
-    ("BroadLeaf", 120): (12.8, 0.071),
+    (surface, speed): (slip, adhesion[0] if adhesion else None)
+    for surface, rows in table(__file__, "peaks.toml").items()
+    for speed, slip, *adhesion in rows
 }
 
 

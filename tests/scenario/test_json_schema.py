@@ -2,10 +2,11 @@
 
 import json
 import tomllib
-from pathlib import Path
 
 import jsonschema
 import pytest
+from wrong import REMOVED
+from wrong import table as stored
 
 from railgrip.base.registry import shelf
 from railgrip.cli.library import text_of_schema
@@ -42,42 +43,14 @@ def test_equipment_contains_only_changes_of_a_scenario(name):
 
 
 def changed(table, key, value):
-    """Return a table with another value at a dotted key, or without the key if the value is None."""
+    """Return a table with another value at a dotted key, or without the key if the value is `REMOVED`."""
     first, _, rest = key.partition(".")
     if rest:
         return table | {first: changed(table.get(first, {}), rest, value)}
-    return {k: v for k, v in table.items() if k != first} | ({} if value is None else {first: value})
+    return {k: v for k, v in table.items() if k != first} | ({} if value == REMOVED else {first: value})
 
 
-BROKEN = {
-    "scenario": [
-        ("start.sped", 3), ("start.speed", -1), ("start.speed", "fast"), ("start.speed", True), ("start", None),
-        ("vehicle", None), ("controller", None), ("controller.kind", "no_law"), ("controller.kind", 3),
-        ("controller.tuning", 3), ("estimator.kind", "kalman"), ("sensors.kind", "good"), ("sensors.wheel", {}),
-        ("adhesion.kind", "constant"), ("adhesion.minimum", None), ("adhesion.minimum", 2), ("adhesion.polach", "dryy"),
-        ("adhesion.polach", {"k_A": 0.1}), ("adhesion.over", "place"), ("adhesion.conditioning.by", "car"),
-        ("limits.alpha_max", "tsj"), ("limits.fmu.files", 1.5), ("seed", -1), ("name", "a/b"), ("frobnicate", {}),
-        ("vehicle.parameters", {"m": ["x"]}), ("vehicle.nudge", {"seed": 1}),
-        ("demand", {"phases": [{"pressure": "some"}]}), ("faults", [{"part": "radar", "kind": "deaf"}]),
-        ("faults", [{"part": "radar"}]), ("truth", {"load": [-1]}), ("sanders", [{"wheelset": 0}]),
-        ("track", {"gradient": [{"begin": 0}]}), ("extends", 3),
-    ],
-    "campaign": [
-        ("scenarios", None), ("scenarios", []), ("panels", "some"), ("draws", {"first": 1}), ("axes.case", 3),
-        ("axes.case", {"a": {"start": {"sped": 1}}}), ("axes.case", {"a": {"adhesion": {"minimum": 2}}}),
-        ("reference", [{"distance": 1, "source": "x"}]), ("expected", [{"match": {}, "outcome": "fine"}]),
-    ],
-    "train": [
-        ("cars", None), ("cars", []), ("resistance.drag_coefficient", 0), ("resistance.rolling_arm", "long"),
-        ("name", 3), ("bogies", {"a": {}}), ("command.kind", "wire"), ("sanders", 3), ("resistence", {}),
-    ],
-    "estimation": [
-        ("model", None), ("model.class", "1"), ("noise", None), ("noise.kind", "white"), ("noise.readings", {"v": 0}),
-        ("noise", {"file": 3}), ("noise", {"file": "tuned.toml", "kind": "density"}), ("start.deviation", None),
-        ("gate.threshold", "high"), ("between", "none"), ("name", None), ("data", {"period": "10 ms"}),
-        ("source.scenario", 3), ("outlier_limit", -1),
-    ],
-}  # fmt: skip
+BROKEN = stored(__file__, "broken.toml")
 
 
 @pytest.mark.parametrize(
@@ -92,7 +65,7 @@ def test_a_broken_file_is_refused(kind, key, value):
     assert problems(kind, changed(table, key, value))
 
 
-EXTENDING = tomllib.loads(Path(__file__).with_name("extending.toml").read_text(encoding="utf-8"))
+EXTENDING = stored(__file__, "extending.toml")
 
 
 @pytest.mark.parametrize("verdict", EXTENDING)
