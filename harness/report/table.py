@@ -254,11 +254,6 @@ def share(value: float) -> str:
     return percent(value, sign=False)
 
 
-def whole_percent(value: float) -> str:
-    """Return a share in whole percent, without a sign."""
-    return text(100 * value, "{:.0f} %")
-
-
 def with_interval(
     value: Any, interval: tuple[Any, Any] | None, form: Form, unit: str = "", *, without: float | None = None
 ) -> str:

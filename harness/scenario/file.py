@@ -13,12 +13,13 @@ from pathlib import Path
 from typing import Any, cast
 
 from pydantic import GetCoreSchemaHandler, ValidationInfo
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core import CoreSchema, core_schema
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import Shelf, not_one_of, shelf
 from railgrip.base.units import cut, place, short
 from railgrip.fmus.native.library import file_digest
+from railgrip.scenario.table import table_error
 
 DIRECTORY = "directory"
 """Key of the validation context for the folder of the scenario file."""
@@ -130,13 +131,11 @@ class NamedFile:
         if isinstance(entry, NamedFile):
             return entry
         if not isinstance(entry, str) or not entry:
-            raise PydanticCustomError("file", "is {found}; expected is the path of a file", {"found": short(entry)})
+            raise table_error(f"is {short(entry)}; expected is the path of a file")
         if entry.lower().endswith(".ssp"):
-            raise PydanticCustomError(
-                "file",
-                "is {found}, a system by SSP, which railgrip exports and does not import; extract the .fmu that you "
-                "need from the folder resources of that archive and name that",
-                {"found": short(entry)},
+            raise table_error(
+                f"is {short(entry)}, a system by SSP, which railgrip exports and does not import; extract the .fmu "
+                "that you need from the folder resources of that archive and name that"
             )
         context = cast("dict[str, Path] | None", info.context) or {}
         directory = context.get(DIRECTORY, Path())
@@ -144,11 +143,9 @@ class NamedFile:
         if not is_file(path):
             is_recipe = path.suffix == ".fmu" and path.parent.parts[-2:] == ("build", "fmus")
             hint = f"; `railgrip build {path.stem}` makes one in build/fmus of the current folder" if is_recipe else ""
-            raise PydanticCustomError(
-                "file",
-                "names '{entry}', but there is no file {path}; a path in a file starts at its folder, one of --set at "
-                "the current folder{hint}",
-                {"entry": cut(entry), "path": place(path), "hint": hint},
+            raise table_error(
+                f"names '{cut(entry)}', but there is no file {place(path)}; a path in a file starts at its folder, one "
+                f"of --set at the current folder{hint}"
             )
         if isinstance(entry, OtherFileString):
             entry = _relative(path, directory)
