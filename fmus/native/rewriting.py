@@ -759,8 +759,9 @@ class _Execution(_Unroller):
         name = target[0]
         variable = self.scope.variables.get(name)
         start = rf"\b{name}\b\s*(?:\[[^\]]*\]\s*)?\([^;]*\bstart\b|\b{name}\s*\.\s*start\b"
-        is_real = variable and variable.type == "Real" and "discrete" not in variable.prefixes
-        if not is_real or bool(variable.sizes) != bool(target[1]) or re.search(start, self.every):
+        if not variable or variable.type != "Real" or "discrete" in variable.prefixes:
+            raise RewritingError
+        if bool(variable.sizes) != bool(target[1]) or re.search(start, self.every):
             raise RewritingError
         return "0.0"
 
