@@ -4,7 +4,7 @@ import numpy as np
 from synthetic import LAYOUT, LIBRARY
 
 from railgrip.kernel import kernel
-from railgrip.scenario.demand import released
+from railgrip.scenario.demand import blank_phases
 from railgrip.scenario.load import load
 from railgrip.simulate.loop.interfaces import BLOCK
 from railgrip.simulate.sensors.ideal import IdealSensors
@@ -43,7 +43,7 @@ def along_track(begin, step, values):
 
 def phase_of(until="end", **fields):
     """Return one phase of a driver without demands except `fields`."""
-    row = released(LAYOUT, 1)
+    row = blank_phases(LAYOUT, 1)
     row["until"] = getattr(KERNEL.functions, f"AT_{until.upper()}")
     for name, value in fields.items():
         row[name] = value

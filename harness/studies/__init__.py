@@ -1,8 +1,8 @@
 """Studies: the cases, page and headline numbers of one subject each.
 
 Each module here except `study`, and each package, is a study: `railgrip study NAME` runs it. The first line of its
-docstring describes it; the module, or the module `NAME_study` of a package, has the class as `STUDY`. Only the command
-line imports studies, and a change of a study does not cause a stop to be run again.
+docstring describes it; the module, or the module of a package whose name ends with _study, has the class as `STUDY`.
+Only the command line imports studies, and a change of a study does not cause a stop to be run again.
 """
 
 from pkgutil import iter_modules

@@ -14,7 +14,7 @@ from railgrip.report.statistics import FEWEST_DRAWS
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.load import read_toml
 from railgrip.scenario.surface import Sander
-from railgrip.studies.benefit import study as module
+from railgrip.studies.benefit import benefit_study as module
 from railgrip.studies.benefit.benefit_study import Benefit, chain_of, cost_table, gain_table, sentences_of
 from railgrip.studies.benefit.chain import (
     BASE,

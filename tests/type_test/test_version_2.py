@@ -13,7 +13,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.report.limits import limits_of
 from railgrip.rolling_stock.schema import load_train
 from railgrip.studies.study import conduct
-from railgrip.studies.type_test import study
+from railgrip.studies.type_test import type_test_study as study
 from railgrip.studies.type_test.case_set import SEALED, VERSIONS, CaseSet, case_named, count_look
 from railgrip.studies.type_test.entrants import (
     Entrant,
