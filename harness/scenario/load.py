@@ -98,7 +98,7 @@ def _sentence(model: type[BaseModel], path: Sequence[int | str], keys: Sequence[
     key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
     if isinstance(error["input"], Mapping) and kind == "scenario":
         key = _table(path)  # a problem of a whole table names its keys in its text
-    if kind in {"quantity", "file", "scenario"}:
+    if kind in {"quantity", "scenario"}:
         return _end_sentence(f"{key} {error['msg']}")
     if kind == "literal_error":
         return f"{key} is {short(error['input'])}; {_choice(error['input'], context['expected'])}"
