@@ -100,7 +100,7 @@ class TargetBuild:
         self.files = sources_of_library(system)
         self.units = (f"{self.name}.c", *system.step.units)
         self.readings = np.ascontiguousarray(readings_of(scenario)[:rows])
-        self.parameters, self.outputs = len(system.parameters), len(system.outputs)
+        self.parameters, self.outputs = len(system.parameters), [variable.name for variable in system.outputs]
         names = f'#include "{self.name}.h"\n' + "".join(
             f"typedef {self.name}_{kind} {kind};\n" for kind in ("State", "Inputs", "Outputs")
         )
@@ -146,13 +146,13 @@ class TargetBuild:
         """
         self._call(EMULATOR, "-M", "mps2-an500", "-nographic", "-semihosting-config", "enable=on,target=native",
             "-icount", f"shift={_SHIFT}", "-kernel", "target.elf")  # fmt: skip
-        rows = np.fromfile(self.folder / "outputs.bin").reshape(-1, self.outputs + 2)
+        rows = np.fromfile(self.folder / "outputs.bin").reshape(-1, len(self.outputs) + 2)
         (loop, none), steps, last = rows[0, -2:], rows[1:-1], rows[-1]
         if len(steps) != len(self.readings):
             raise BuildFailed(f"{self.name}: the program ended after {len(steps)} of {len(self.readings)} steps.")
         failed = next(iter(np.flatnonzero(steps[:, -1]).tolist()), None)
         return Measured(
-            outputs=steps[:failed, : self.outputs],
+            outputs=steps[:failed, :-2],
             instructions=(steps[:failed, -2] - none) * INSTRUCTIONS_PER_TICK,
             failed=failed,
             stack=int(last[-2]),
@@ -167,7 +167,7 @@ class TargetBuild:
         words = re.search(r"memory\[(\d+)\]", self.files[f"{self.name}.h"])
         assert words is not None
         state = np.zeros(max(self.parameters, 1) + 1 + int(words[1]))
-        outputs = np.zeros((len(self.readings), self.outputs))
+        outputs = np.zeros((len(self.readings), len(self.outputs)))
         start, step = library[f"{self.name}_start"], library[f"{self.name}_step"]
         start(ctypes.c_void_p(state.ctypes.data))
         for row, result in zip(self.readings, outputs, strict=True):
