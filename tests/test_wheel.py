@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import xarray
 from project_files import project_files
+from wrong import table
 
 ROOT = Path(__file__).parents[1]
 DATA = {".typed", ".csv", ".yml", ".toml", ".json", ".mo", ".order", ".c", ".h", ".jinja", ".js", ".gz", ".txt"}
@@ -71,63 +72,7 @@ def test_it_contains_one_package_with_every_file(wheel):
     assert expected | {"railgrip/report/plotly/LICENSE"} == names
 
 
-TINY = {
-    "pyproject.toml": """
-[build-system]
-requires = ["setuptools"]
-build-backend = "setuptools.build_meta"
-
-[project]
-name = "tiny-laws"
-version = "1.0"
-
-[tool.setuptools]
-py-modules = ["tiny_laws"]
-
-[project.entry-points."railgrip.controllers"]
-half = "tiny_laws:Share"
-
-[project.entry-points."railgrip.estimators"]
-drag = "tiny_laws:Drag"
-
-[project.entry-points."railgrip.sensors"]
-exact = "tiny_laws:Exact"
-""",
-    "tiny_laws.py": """
-import numpy as np
-
-import railgrip as rg
-
-
-class Share:
-    def __init__(self, share=0.5):
-        self.share = share
-
-    def start(self, formation):
-        self.demand = self.share * formation.pressure_max
-
-    def decide(self, observation):
-        return self.demand
-
-
-class Drag:
-    provides = ("adhesion",)
-
-    def start(self, first, formation):
-        self.groups = formation.groups
-
-    def step(self, observation):
-        return rg.Estimate(adhesion=np.full(self.groups, -observation.acceleration / 9.81))
-
-
-class Exact:
-    def start(self, formation, random):
-        pass
-
-    def read(self, time, truth):
-        return {name: truth[name] for name in ("speed", "wheelset_speed", "acceleration", "cylinder_pressure")}
-""",
-}
+TINY = table(__file__, "tables.toml")["tiny_laws"]
 
 
 @pytest.fixture(scope="module")

@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
+from wrong import table
 
 import railgrip as rg
 from railgrip.campaign.run import find_result, run
@@ -14,40 +15,7 @@ from railgrip.scenario.campaign import PlannedStop
 
 ROOT = Path(__file__).parents[2]
 SHORT = {"limits.horizon": "0.2 s", "start.speed": "30 km/h", "estimator.kind": "none"}
-FILES = {
-    "kept_law.py": """
-import time
-from pathlib import Path
-
-from kept_helper import SHARE
-
-HERE = Path(__file__).parent
-
-
-class Hold:
-    def __init__(self, wait=""):
-        self.wait = wait
-
-    def start(self, formation):
-        from kept_late import FACTOR
-
-        self.demand = SHARE * FACTOR * float((HERE / "weight.txt").read_text()) * formation.pressure_max
-        try:
-            (HERE / "option.txt").read_text()
-        except FileNotFoundError:
-            (HERE / "log.txt").open("a").write("no option")
-        while self.wait and not Path(self.wait).exists():
-            time.sleep(0.01)
-
-    def decide(self, observation):
-        return self.demand
-""",
-    "kept_helper.py": "SHARE = 0.5\n",
-    "kept_late.py": "FACTOR = 1.0\n",
-    "weight.txt": "1.0",
-    "log.txt": "",
-    "data.csv": "",
-}
+FILES = table(__file__, "tables.toml")["kept_law"]
 
 
 @pytest.fixture(scope="module")
