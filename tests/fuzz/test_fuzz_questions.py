@@ -37,28 +37,9 @@ many = settings(
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning")
 
 units = st.sampled_from(
-    [
-        "",
-        "s",
-        "ms",
-        "us",
-        "m",
-        "km",
-        "km/h",
-        "kmph",
-        "1/min",
-        "Hz",
-        "1/s",
-        "bar",
-        "kN",
-        "t",
-        "%",
-        "deg",
-        "rpm",
-        "m//s",
-        "‰",
-    ]
-)
+    ["", "s", "ms", "us", "m", "km", "km/h", "kmph", "1/min", "Hz",
+     "1/s", "bar", "kN", "t", "%", "deg", "rpm", "m//s", "‰"]
+)  # fmt: skip
 numbers = st.one_of(
     st.floats(),
     st.integers(),
