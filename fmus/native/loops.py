@@ -278,14 +278,18 @@ class _LoopWriter:
         # An expression of the place for each k.
         first, step = places[0], places[1] - places[0] if len(places) > 1 else 0
         if all(place == first + step * k for k, place in enumerate(places)):
-            # No operation without effect (MISRA C:2012, rule 2.2).
-            moving = "" if not step else "k" if step == 1 else f"{step} * k"
-            return f"{first} + {moving}" if first and moving else moving or f"{first}"
+            return _sum(first, step)
         key = tuple(places)
         if key not in self.at:
             self.at[key] = len(self.table)
             self.table += key
-        return f"{self.table_name}[{self.at[key]} + k]"
+        return f"{self.table_name}[{_sum(self.at[key], 1)}]"
+
+
+def _sum(first: int, step: int) -> str:
+    # first + step * k, without an operation that has no effect (MISRA C:2012, rule 2.2).
+    terms = [*([f"{first}"] if first or not step else []), *(["k" if step == 1 else f"{step} * k"] if step else [])]
+    return " + ".join(terms)
 
 
 @cache
