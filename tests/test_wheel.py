@@ -15,7 +15,7 @@ from project_files import project_files
 from wrong import table
 
 ROOT = Path(__file__).parents[1]
-DATA = {".typed", ".csv", ".yml", ".toml", ".json", ".mo", ".order", ".c", ".h", ".jinja", ".js", ".gz", ".txt"}
+DATA = {".typed", ".csv", ".yml", ".toml", ".json", ".mo", ".order", ".c", ".h", ".jinja", ".js", ".gz", ".txt", ".ld"}
 
 
 @pytest.fixture(scope="module")

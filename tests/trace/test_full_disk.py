@@ -8,6 +8,7 @@ import os
 import resource
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -32,12 +33,20 @@ WET = ROOT / "harness" / "scenario" / "library" / "trapezoid.toml"
 
 @pytest.fixture
 def disk(monkeypatch):
-    """Set the maximum size of a file in bytes; lifted at the end."""
+    """Return a context in which files have a maximum size in bytes; pytest itself may write to a longer one."""
     # Python would keep the truncated bytecode of a module, and the next import would fail.
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+    @contextmanager
+    def limited(size):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+    return limited
 
 
 def dataset(_):
@@ -55,8 +64,7 @@ WRITERS = {
 def test_a_failed_write_keeps_the_earlier_file_and_leaves_no_partial_one(tmp_path, disk, write):
     path = tmp_path / "result"
     path.write_text("before", encoding="utf-8")
-    disk(1000)
-    with pytest.raises(WriteFailed, match=r"result: cannot be written: File too large"):
+    with disk(1000), pytest.raises(WriteFailed, match=r"result: cannot be written: File too large"):
         write(path)
     assert [file.name for file in tmp_path.iterdir()] == ["result"]
     assert path.read_text(encoding="utf-8") == "before"
@@ -68,14 +76,12 @@ def test_a_stop_without_space_for_its_trace_keeps_its_figures_and_is_run_again(t
     write_stop(stop, tmp_path)
     size = (tmp_path / "stop.json").stat().st_size
     assert (tmp_path / "trace.nc").stat().st_size > size + 100
-    disk(size + 100)
-    with pytest.raises(WriteFailed, match=r"trace\.nc: cannot be written"):
+    with disk(size + 100), pytest.raises(WriteFailed, match=r"trace\.nc: cannot be written"):
         write_stop(stop, tmp_path)
     assert sorted(file.name for file in tmp_path.iterdir()) == [RECORD, "stop.json"]
     assert read_stop(tmp_path).metrics.distance == stop.metrics.distance
     assert find_result(PlannedStop(name="wet", variants={}, scenario=scenario), tmp_path) is None
-    disk(size - 100)
-    with pytest.raises(WriteFailed, match=r"stop\.json: cannot be written"):
+    with disk(size - 100), pytest.raises(WriteFailed, match=r"stop\.json: cannot be written"):
         write_stop(stop, tmp_path)
     # The earlier result stays complete.
     assert sorted(file.name for file in tmp_path.iterdir()) == [RECORD, "stop.json"]
