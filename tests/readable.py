@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.category import UnitData
+from matplotlib.container import BarContainer
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.text import Text
@@ -102,7 +103,9 @@ def _has_data(axes: Axes) -> bool:
 def _has_names(axes: Axes) -> bool:
     """Return whether bars that are counted have names, and no names are coordinates."""
     for bars in axes.containers:
-        is_high = getattr(bars, "orientation", "") == "vertical"
+        if not isinstance(bars, BarContainer):
+            continue
+        is_high = bars.orientation == "vertical"
         axis = axes.xaxis if is_high else axes.yaxis
         boxes = [bar.get_bbox().get_points()[:, 0 if is_high else 1] for bar in bars]
         is_counted = all(abs(high - low) <= 1 and (low + high) / 2 == round((low + high) / 2) for low, high in boxes)

@@ -113,6 +113,7 @@ def test_plotly_has_the_traces_of_signals_and_its_licence():
 
 
 VALUES = {
+    "in_browser": "",
     "references": "",
     "changes": [],
     "sections": {},

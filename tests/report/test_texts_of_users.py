@@ -47,7 +47,7 @@ def page_of(text, folder):
     page = Page(
         title=text, question=text, answer=text, template="report/campaign.md.jinja",
         values={
-            "references": text, "tables": [table, text], "quantiles": [table], "worst": [text], "notes": [text],
+            "in_browser": "", "references": text, "tables": [table, text], "quantiles": [table], "worst": [text], "notes": [text],
             "missing": text, "captions": {}, "scenarios": text, "changes": [text],
             "sections": {text: [table, text]}, "repeats": table,
         },
