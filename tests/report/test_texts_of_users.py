@@ -47,8 +47,8 @@ def page_of(text, folder):
     page = Page(
         title=text, question=text, answer=text, template="report/campaign.md.jinja",
         values={
-            "in_browser": "", "references": text, "tables": [table, text], "quantiles": [table], "worst": [text], "notes": [text],
-            "missing": text, "captions": {}, "scenarios": text, "changes": [text],
+            "references": text, "tables": [table, text], "quantiles": [table], "worst": [text], "notes": [text],
+            "in_browser": "", "missing": text, "captions": {}, "scenarios": text, "changes": [text],
             "sections": {text: [table, text]}, "repeats": table,
         },
         overview=table, note=text,
