@@ -440,7 +440,7 @@ def _over_friction(stops: Frame, lines: Mapping[str, Mapping[str, Any]]) -> Figu
     axes.set_xscale("log")
     axes.set_xticks([0.02, 0.03, 0.05, 0.08, 0.15], ["0.02", "0.03", "0.05", "0.08", "0.15"])
     axes.set_xticks([], minor=True)
-    axes.set_ylim(0.95, 2.5)
+    axes.set_ylim(0.95, max(2.5, 1.1 * compared["over_bound"].min()))  # at least the best is to be seen
     style.dress(axes, x="mean of the maximum friction", y="distance over the ideal bound")
     style.legend(axes, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
