@@ -191,7 +191,7 @@ def test_references_in_docstrings_and_comments_exist():
 
 INVALID = [
     "see kernel/cycel.c", "`railgrip.simulate.faults.Site`", "`Binding.translated`", "RailBraking.FMUs.Wagon",
-    "railgrip.fmi.mapping.bound", "`no_such_name`",
+    "railgrip.fmi.mapping.bound", "`no_name_that_exists`",
 ]  # fmt: skip
 VALID = [
     "kernel/cycle.c", "`railgrip.simulate.faults.site.Site`", "`Binding.translate`", "RailBraking.Plants.Wagon",
