@@ -39,7 +39,7 @@ def rate_of(layout: Layout, steps: Fraction | int) -> Struct:
 
 def headers(layout: Layout) -> dict[str, str]:
     """Return the text of all headers, by name, for vectors of this layout."""
-    return texts("export.h", "vectors.h", *_HEADERS) | {"layout.h": layout.header() + _PHYSICS}
+    return texts("export.h", "vectors.h", "rate.h", *_HEADERS) | {"layout.h": layout.header() + _PHYSICS}
 
 
 def texts(*names: str) -> dict[str, str]:

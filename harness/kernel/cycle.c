@@ -11,6 +11,7 @@
 
 #include "cycle.h"
 #include "onboard.h"
+#include "rate.h"
 #include "vectors.h"
 
 enum {

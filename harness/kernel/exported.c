@@ -8,6 +8,7 @@
 #include <math.h>
 
 #include "onboard.h"
+#include "rate.h"
 #include "vectors.h"
 
 /* Write the part's outputs from a vector; return the position after them. */

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "faults.h"
+#include "rate.h"
 #include "vectors.h"
 
 static const double MIN_FILL = 0.5; /* valve command that counts as fill: commands are -1 vent, 0 hold, 1 fill */

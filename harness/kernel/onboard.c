@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "onboard.h"
+#include "rate.h"
 #include "vectors.h"
 
 void evaluate(const Formula *formula, const double *input, double *output)
@@ -15,11 +16,6 @@ void evaluate(const Formula *formula, const double *input, double *output)
 static double slip_of(double speed, double rim_speed)
 {
     return speed < SMALL_SPEED ? 0.0 : 1.0 - rim_speed / speed;
-}
-
-int is_due(Rate rate, long long step)
-{
-    return step * rate.turns % rate.steps < rate.turns;
 }
 
 /* Store the newest reading of every sensor, and those that are new since the last step of the filter. The first reading

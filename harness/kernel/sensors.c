@@ -2,13 +2,9 @@
 
 #include <math.h>
 
+#include "rate.h"
 #include "sensors.h"
 #include "vectors.h"
-
-long long turn_at(Rate rate, long long step)
-{
-    return step * rate.turns / rate.steps;
-}
 
 /* Angle of a tooth: count times pitch, plus its error, which repeats with every revolution. */
 static double tooth(const Encoder *encoder, long long count)

@@ -46,11 +46,6 @@ typedef struct {
     Rate speed_rate;
 } Service;
 
-/* Number of the turn that is in progress at a step, and whether a turn begins at it: the first step at or after each
-   multiple of the period. */
-long long turn_at(Rate rate, long long step);
-int is_due(Rate rate, long long step);
-
 double read_encoder(Encoder *encoder, long long sample, double speed);
 void read_service(Service *service, long long sample, const double *outputs, double *reading);
 

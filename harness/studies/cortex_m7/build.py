@@ -104,7 +104,7 @@ class TargetBuild:
         names = f'#include "{self.name}.h"\n' + "".join(
             f"typedef {self.name}_{kind} {kind};\n" for kind in ("State", "Inputs", "Outputs")
         )
-        names += f"#define START {self.name}_start\n#define STEP {self.name}_step\n"
+        names += f"#define START_LIBRARY {self.name}_start\n#define STEP_LIBRARY {self.name}_step\n"
         kernel = files("railgrip.studies.cortex_m7") / "kernel"
         texts = {name: (kernel / name).read_text(encoding="utf-8") for name in ("target.c", "target.ld")}
         for name, text in {**self.files, **texts, "target.c": names + texts["target.c"]}.items():
@@ -178,7 +178,7 @@ class TargetBuild:
     def sizes(self) -> dict[str, int]:
         """Return the bytes of flash of the linked library and program, `flash`, and of the library's state, `state`."""
         sections = self._call(f"{PREFIX}size", "-A", "target.elf")
-        state = re.search(r"^\w+ (\w+) b state$", self._call(f"{PREFIX}nm", "-S", "target.elf"), re.MULTILINE)
+        state = re.search(r"^\w+ (\w+) b onboard$", self._call(f"{PREFIX}nm", "-S", "target.elf"), re.MULTILINE)
         assert state is not None
         flash = re.findall(r"^\.(?:text|ARM\.exidx|data) +(\d+)", sections, re.MULTILINE)
         return {"flash": sum(map(int, flash)), "state": int(state[1], 16)}

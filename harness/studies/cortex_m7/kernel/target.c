@@ -1,7 +1,7 @@
 /* Runs the onboard library on a Cortex-M7 without an operating system: start-up, and a program that steps the library
  * over readings.bin and writes outputs.bin, both on the computer that has the debugger, by Arm semihosting.
  *
- * The generated file comes first: the header of the library, and its names as START, STEP, State, Inputs and Outputs.
+ * The generated file comes first: the header of the library, and its names as START_LIBRARY, STEP_LIBRARY, State, Inputs and Outputs.
  * Sources: Armv7-M Architecture Reference Manual (DDI 0403), B1.5 exceptions, B3.2.20 CPACR, B3.3 SysTick; Semihosting
  * for AArch32 and AArch64 (Arm IHI 0100), chapter 7. */
 #include <stddef.h>
@@ -24,7 +24,7 @@ typedef struct {
     double ticks, failed;
 } Row;
 
-static State state;
+static State onboard;
 
 static word host(word call, const void *arguments)
 {
@@ -80,15 +80,18 @@ int *__errno(void)
     return &number;
 }
 
-/* What a compiler may call in any environment. */
-void *memcpy(void *restrict to, const void *restrict from, size_t size)
+/* What a compiler may call in any environment, by the names of the C library. */
+void *copy_bytes(void *restrict to, const void *restrict from, size_t size) __asm__("memcpy");
+void *fill_bytes(void *to, int value, size_t size) __asm__("memset");
+
+void *copy_bytes(void *restrict to, const void *restrict from, size_t size)
 {
     for (size_t i = 0; i < size; i++)
         ((char *)to)[i] = ((const char *)from)[i];
     return to;
 }
 
-void *memset(void *to, int value, size_t size)
+void *fill_bytes(void *to, int value, size_t size)
 {
     for (size_t i = 0; i < size; i++)
         ((char *)to)[i] = (char)value;
@@ -109,10 +112,10 @@ static void run(void)
     (void)transfer(WRITE, out, &row, sizeof row);
     for (word *at = stack_begin; at < here - MARGIN; at++)
         *at = PAINT;
-    START(&state);
+    START_LIBRARY(&onboard);
     while (!transfer(READ, in, &inputs, sizeof inputs)) {
         const word begin = SYSTICK[2];
-        row.failed = (double)STEP(&state, &inputs, &row.outputs);
+        row.failed = (double)STEP_LIBRARY(&onboard, &inputs, &row.outputs);
         row.ticks = (double)TICKS(begin);
         (void)transfer(WRITE, out, &row, sizeof row);
     }
@@ -125,8 +128,8 @@ void start(void)
 {
     *CPACR |= 0xFu << 20; /* full access to the floating-point unit */
     __asm__ volatile("dsb\n isb");
-    (void)memcpy(data_begin, data_load, (size_t)((char *)data_end - (char *)data_begin));
-    (void)memset(bss_begin, 0, (size_t)((char *)bss_end - (char *)bss_begin));
+    (void)copy_bytes(data_begin, data_load, (size_t)((char *)data_end - (char *)data_begin));
+    (void)fill_bytes(bss_begin, 0, (size_t)((char *)bss_end - (char *)bss_begin));
     run();
 }
 
