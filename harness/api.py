@@ -28,6 +28,7 @@ from railgrip.controllers.observation import Observation
 from railgrip.scenario import schema
 from railgrip.scenario.file import is_folder, nest, parts_of, with_another_plant
 from railgrip.scenario.load import Tables, extend_tables, read_scenario
+from railgrip.scenario.onboard import TrainLevelTable
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.user_parts import Controller, Estimate, Estimator, Plant, Sensors, call_user_code
 from railgrip.vehicle.formation import Formation
@@ -470,7 +471,7 @@ def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Sc
 _TABLES = {"controller": "controller", "estimator": "estimator", "sensors": "sensors", "plant": "vehicle"}
 """Argument → table of the scenario that an object replaces."""
 
-_BESIDE = frozenset({("controller", "redistribute"), ("controller", "shared_valve"), ("vehicle", "formation")})
+_OF_EVERY_PART = frozenset({("vehicle", "formation"), *(("controller", name) for name in TrainLevelTable.model_fields)})
 """Keys of these tables that also apply to an object; see `CustomParts.declare_in`."""
 
 
@@ -511,7 +512,7 @@ def _split(values: Mapping[str, Any], handed_over: Collection[str]) -> tuple[dic
     tables = {_TABLES[name]: name for name in handed_over}
     for key, value in values.items():
         table, *path = parts_of(key)
-        if table not in tables or (path and (table, path[0]) in _BESIDE):
+        if table not in tables or (path and (table, path[0]) in _OF_EVERY_PART):
             rest[key] = value
         elif len(path) == 2 and path[0] == "parameters":
             parameters.setdefault(table, {})[path[1]] = value

@@ -248,7 +248,7 @@ def _is_noisy(values: Vector) -> bool:
 
 
 MAX_SPIKE = 3  # samples in a row that can be found off
-_BESIDE = 3  # samples on either side of a spike: one that it comes from or back to, and those that show how it moves
+_AROUND = 3  # samples on either side of a spike: one that it comes from or back to, and those that show how it moves
 _NEIGHBOURS = 7  # samples whose median is not part of a spike
 _JUMP = 2.0  # times the motion of the signal next to a spike; the peak of a ramp deviates by exactly that
 _VALVE_PULSE = 20e-3  # s: valves of a wheel-slide protection open for 20 to 40 ms, and the cylinder answers
@@ -346,14 +346,14 @@ def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]
     scale = np.maximum(nearby, max(float(np.median(bend)), _resolution(values)))
     # Two spikes with a sample between them leave that one where the others are.
     apart = np.abs(values - median_filter(values, _NEIGHBOURS, mode="mirror")) > deviations * scale
-    padding = np.pad(values, _BESIDE, mode="reflect")
+    padding = np.pad(values, _AROUND, mode="reflect")
     steps = np.abs(np.diff(padding))
     period = float(np.median(np.diff(time)))
     for length in range(1, MAX_SPIKE + 1):
         if length > 1 and length * period > 0.9 * _VALVE_PULSE:  # two of 10 ms are as long, whatever rounding says
             break
         first = np.arange(1, values.size - length)
-        before, after = padding[first + _BESIDE - 1], padding[first + _BESIDE + length]
+        before, after = padding[first + _AROUND - 1], padding[first + _AROUND + length]
         inside = first[:, None] + np.arange(length)
         line = before[:, None] + (after - before)[:, None] * np.arange(1, length + 1) / (length + 1)
         off = np.abs(values[inside] - line)

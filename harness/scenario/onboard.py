@@ -116,7 +116,7 @@ def _estimators() -> dict[str, type[Table]]:
 Estimator = Annotated[NoEstimator | KalmanFilter | Custom, ByKind(_estimators, "estimators")]
 
 
-class _TrainLevelTable(Table):
+class TrainLevelTable(Table):
     """Keys that apply to groups under any law."""
 
     redistribute: StrictBool = optional(
@@ -131,7 +131,7 @@ class _TrainLevelTable(Table):
     )
 
 
-class BuiltInLaw(_TrainLevelTable):
+class BuiltInLaw(TrainLevelTable):
     """A built-in control law, with changes of its parameter set."""
 
     kind: str = Field(description="a law of `railgrip list controllers`")
@@ -163,7 +163,7 @@ class BuiltInLaw(_TrainLevelTable):
         return None if tuning == "searched" else tuning
 
 
-class ControllerFmu(_TrainLevelTable):
+class ControllerFmu(TrainLevelTable):
     """A user-defined controller, as a co-simulation FMU 2.0.
 
     Its inputs may be speed, acceleration, wheelset_speed, slip, adhesion, pad_friction, pressure and driver_demand; its
@@ -182,7 +182,7 @@ class ControllerFmu(_TrainLevelTable):
     )
 
 
-class CustomLaw(Custom, _TrainLevelTable):
+class CustomLaw(Custom, TrainLevelTable):
     """A control law that is a user-defined class."""
 
 

@@ -276,8 +276,8 @@ def open_controller(stop: Opening, estimates: Collection[str]) -> tuple[LoopCont
     given = [key for key in ("redistribute", "release_max") if getattr(table, key)]
     if commands_valves and given:
         raise ScenarioError(
-            f"{scenario.name}: [controller] {' and '.join(given)} changes pressures, but {name} commands the valves; "
-            "leave it out, or let the FMU give demand [Pa]"
+            f"{scenario.name}: [controller] {' and '.join(given)} cannot change pressures: {name} commands the valves; "
+            "leave that out, or let the FMU give demand [Pa]"
         )
     return controller, commands_valves
 

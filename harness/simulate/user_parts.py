@@ -35,7 +35,7 @@ from railgrip.base.interrupted import Interrupted
 from railgrip.base.registry import Role, installed_names
 from railgrip.base.units import cut, short
 from railgrip.controllers.observation import Observation
-from railgrip.scenario.onboard import CustomLaw, OwnSensors
+from railgrip.scenario.onboard import CustomLaw, OwnSensors, TrainLevelTable
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Custom
 from railgrip.scenario.vehicle_table import PythonClass, Vehicle
@@ -758,7 +758,7 @@ class CustomParts:
         """Return the scenario with these objects' classes in its tables, which results of a stop must name."""
         tables: dict[str, Any] = {}
         if self.controller is not None:
-            over = {name: getattr(scenario.controller, name) for name in ("redistribute", "shared_valve")}
+            over = {name: getattr(scenario.controller, name) for name in TrainLevelTable.model_fields}
             tables["controller"] = table_of(self.controller, CustomLaw, **over)
         if self.estimator is not None:
             tables["estimator"] = table_of(self.estimator)

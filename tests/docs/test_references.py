@@ -78,7 +78,7 @@ def identifiers() -> frozenset[str]:
     words: set[str] = set()
     for name in project_files():
         path = ROOT / name
-        if path == Path(__file__):
+        if path in (Path(__file__), ROOT / "tests/left_out.toml"):  # with names that do not exist
             continue
         if name.endswith(".py"):
             for token in TOKEN.finditer(path.read_text(encoding="utf-8")):

@@ -270,6 +270,19 @@ def test_wheelsets_of_a_valve_have_the_same_command():
     assert shared.metrics.distance > alone.metrics.distance
 
 
+ZERO = {"start": {"speed": "40 km/h"}, "faults": [{"part": "speed_sensor", "kind": "zero", "group": 2}]}
+LIMITED = {"controller": {"release_max": "1.5 s"}}
+
+
+def test_a_release_that_lasts_too_long_ends_in_a_stop():
+    """A sensor that reads zero releases its group for good; with the limit it brakes for 1 s after each 1.5 s."""
+    endless, limited = freight(ZERO), freight(ZERO, LIMITED)
+    braked = [np.mean(stop.trace["demand"].values[:, 1] == 3.2e5) for stop in (endless, limited)]
+    assert braked[0] < 0.05  # at the end, where protection is off
+    assert braked[1] == pytest.approx(1.0 / 2.5, abs=0.05)
+    assert limited.metrics.distance < endless.metrics.distance
+
+
 class InPython:
     """The law of the freight train's file as a user's class."""
 
@@ -280,8 +293,8 @@ class InPython:
         return self.law.decide(observation)
 
 
-@pytest.mark.parametrize("change", [SHARED_VALVES, PARTLY | {"controller": {"redistribute": True}}])
-def test_a_controller_class_of_a_user_also_has_shared_valves_and_redistribution(change: dict[str, Any]):
+@pytest.mark.parametrize("change", [SHARED_VALVES, PARTLY | {"controller": {"redistribute": True}}, ZERO | LIMITED])
+def test_a_controller_class_of_a_user_also_has_what_follows_a_law(change: dict[str, Any]):
     """Bit-identical to the same law compiled, also where the caller of `step` is the controller."""
     slow = {"start": {"speed": "30 km/h"}, "estimator": {"kind": "none"}}
     compiled = freight(change, slow)

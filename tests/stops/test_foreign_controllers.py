@@ -130,6 +130,11 @@ def test_valve_commands_accept_no_demand_of_a_driver(folder):
         ScenarioError, match=r"\[demand\] limits the pressures .* commands the valves instead; leave out"
     ):
         run_stop(other)
+    limited = other.revised({"controller": {"release_max": "7 s"}})
+    with pytest.raises(
+        ScenarioError, match=r"\[controller\] release_max cannot change pressures: .* commands the valves"
+    ):
+        run_stop(limited)
 
 
 @pytest.mark.parametrize(

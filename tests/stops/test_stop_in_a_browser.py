@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import re
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -151,6 +152,9 @@ def test_a_key_moves_the_friction_and_a_button_moves_it_back(page, tmp_path):
 
 def test_the_page_of_the_documentation_runs_the_present_code(tmp_path):
     """`railgrip export trapezoid --page docs/stop.html` has written it, and writes it anew after a change of code."""
+    text = DOCUMENTED.read_text(encoding="utf-8")
+    for script in ("browser.js", "browser_worker.js"):
+        assert (files("railgrip.simulate.export") / script).read_text(encoding="utf-8").strip() in text, script
     kinds = {"adhesion_based", "slip_two_state", "full_brake"}
     settings = [{"controls": {}, "shown": [kind]} for kind in sorted(kinds)]
     for kind, here in zip(sorted(kinds), stops_in_browser(DOCUMENTED, tmp_path, settings), strict=True):

@@ -116,10 +116,10 @@ def write_library(scenario: Scenario, folder: Path) -> Iterator[Path]:
     units = (f"{name}.c", *system.step.units)
     names = ",".join(variable.name for variable in system.inputs)
     rows = "\n".join(",".join(map(repr, row)) for row in readings_of(scenario).tolist())
-    other_files = {f"{name}.h": files[f"{name}.h"], "worst_case.c": files["worst_case.c"]}
-    other_files["readings.csv"] = f"{names}\n{rows}\n"
-    contents = {folder / file: text.encode() for file, text in other_files.items()}
-    contents |= {folder / "sources" / file: text.encode() for file, text in files.items() if file not in other_files}
+    at_top = {f"{name}.h": files[f"{name}.h"], "worst_case.c": files["worst_case.c"]}
+    at_top["readings.csv"] = f"{names}\n{rows}\n"
+    contents = {folder / file: text.encode() for file, text in at_top.items()}
+    contents |= {folder / "sources" / file: text.encode() for file, text in files.items() if file not in at_top}
     contents[folder / "sources" / f"{name}.h"] = contents[folder / f"{name}.h"]
     contents[folder / f"lib{name}.a"] = static_library(files, name, units=units, flags=FMU_FLAGS)
     claim(folder, *(file.relative_to(folder).as_posix() for file in contents))
