@@ -33,6 +33,7 @@ PLACE = ROOT / "build/coverage"
 FILE = ROOT / "tests/left_out.toml"
 PACKAGES = ("harness", "estimators", "controllers", "fmus", "tools")
 REGRESSION = "make test"
+REPOSITORY = tuple(f"tests/test_{name}.py" for name in ("conventions", "floors", "makefile", "mutants_apply"))
 EXPENSIVE = 3.0
 """Processor time of a parametrised test [s] from which on its cases are chosen one by one."""
 SETTINGS = f"""[run]
@@ -164,8 +165,11 @@ def units(seconds: dict[str, float]) -> dict[str, str]:
 
 
 def required(test: str) -> bool:
-    """Return whether a test must notice mutants: wrong control laws, or functions that plant and prediction share."""
-    if test.startswith("tests/controllers/test_law_responses.py"):
+    """Return whether a test must notice mutants: wrong control laws, or functions that plant and prediction share.
+
+    So must those which read the files of the repository and run none of its lines: no other test notices what they do.
+    """
+    if test.startswith(("tests/controllers/test_law_responses.py", *REPOSITORY)):
         return True
     checks = tomllib.loads((ROOT / "tools/mutants.toml").read_text(encoding="utf-8"))["checks"].values()
     parts = (check.partition(" -k ") for check in checks)
