@@ -33,6 +33,7 @@ from railgrip.recording.files import (
     unit_at_end,
     unit_in_brackets,
 )
+from railgrip.recording.read import step_back
 from railgrip.recording.table import DataTable, TimeColumn
 from railgrip.scenario.file import is_file
 
@@ -156,12 +157,16 @@ def inspect_recording(
     # The proposal may be in another folder than the current one.
     base = _found_anywhere(str(estimation))
     clock, series, texts, blank, notices = _read(path, time, decimal, order)
+    backs = (step_back(short(name), column.time[np.isfinite(column.time)]) for name, column in series.items())
+    # The columns of a table have one clock.
+    notices += [f"{path.name}: {back} `railgrip estimate` refuses the file." for back in filter(None, backs)][:1]
     findings = [finding for name, column in series.items() for finding in _findings(name, column)]
     if not findings:
-        raise EstimationError(
+        notices.append(
             f"{path.name}: has no column besides its time with two numbers at rising times; name another recording, or "
             "the column of time with --time."
         )
+        raise EstimationError("\n".join(notices))
     wanted = _required_signals(specification)
     recognised = _recognise(findings, wanted)
     period = min(finding.period for finding in recognised.values() or findings)

@@ -206,14 +206,9 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
     time, values = series.time[finite], series.values[finite]
     if time.size and np.abs(time).max() > _LATEST:
         raise EstimationError(f"{path.name}: time reaches {np.abs(time).max():.3g} s; see the unit of [data.time].")
-    steps = np.diff(time)
-    if (steps < 0.0).any():
-        row = int(np.argmax(steps < 0.0))
-        raise EstimationError(
-            f"{path.name}: time goes backwards at sample {row + 2} of {name}, from {time[row]:.6f} s to "
-            f"{time[row + 1]:.6f} s. {cause_of_step_back(float(time[row]), float(time[row + 1]), _usual(steps))}."
-        )
-    again = np.concatenate([[False], steps == 0.0]) if time.size else np.zeros(0, dtype=np.bool_)
+    if back := step_back(name, time):
+        raise EstimationError(f"{path.name}: {back}")
+    again = np.concatenate([[False], np.diff(time) == 0.0]) if time.size else np.zeros(0, dtype=np.bool_)
     repeats = flags_of("time", "time", time, again)
     if not finite.all():
         at = float(time[0]) if time.size else 0.0
@@ -225,6 +220,24 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
     found = np.where(np.isfinite(values), np.arange(values.size), values.size)
     kept = np.minimum.reduceat(found, first) if first.size else first
     return time[first], np.where(kept < values.size, values[np.minimum(kept, values.size - 1)], np.nan)
+
+
+def step_back(name: str, time: Vector) -> str | None:
+    """Return a sentence on the first sample whose time is before that of the one above, with its cause; None if none.
+
+    Args:
+        name: Signal or column.
+        time: Instants of its samples [s], shape (k,).
+    """
+    steps = np.diff(time)
+    if not (steps < 0.0).any():
+        return None
+    row = int(np.argmax(steps < 0.0))
+    before, after = float(time[row]), float(time[row + 1])
+    return (
+        f"time goes backwards at sample {row + 2} of {name}, from {before:.6f} s to {after:.6f} s. "
+        f"{cause_of_step_back(before, after, _usual(steps))}."
+    )
 
 
 def _usual(steps: Vector) -> float:

@@ -1,5 +1,6 @@
 """Clocks and tables as loggers write them: read with the right instants, or refused with the cause."""
 
+import re
 import time
 from pathlib import Path
 
@@ -137,6 +138,12 @@ def test_a_clock_that_runs_backwards_is_named(tmp_path, column, unit, cause):
     with pytest.raises(EstimationError, match=f"time goes backwards.*{cause}") as refusal:
         read_recording(path, table(time={"column": "t", "unit": unit}), {"v": "m/s"}, ["v"], [])
     assert "sort" not in str(refusal.value)
+    if unit == "s":
+        try:
+            (notice,) = inspect_recording(path, Path("wagon"), time="t").notices
+        except EstimationError as no_two_values_at_rising_times:
+            notice = str(no_two_values_at_rising_times)
+        assert re.search(f"time goes backwards at sample .*{cause}.*estimate` refuses the file", notice)
 
 
 def test_a_clock_that_is_set_back_by_another_time_is_not_explained_away():
