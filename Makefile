@@ -20,7 +20,7 @@ DEV    := $(VENV)/.ready-dev
 # The compiler in the wheel ziglang, 0.4 GB, if neither the words of CC nor cc, gcc and clang are programs.
 EXTRA   = $(shell for name in $$CC cc gcc clang; do command -v "$$name" >/dev/null 2>&1 && exit; done; echo '[compiler]')
 
-.PHONY: help install fmus simulate searched shapes unseen adverse report conditioning conditioning-omc discretisation convergence headlines validation regress regress-long accept calibrate \
+.PHONY: help typed strict-types rest install fmus simulate searched shapes unseen adverse report conditioning conditioning-omc discretisation convergence headlines validation regress regress-long accept calibrate \
         tune-control type-test bench target mutants test test-all suite floors kept portable test-omc regress-omc suites fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
@@ -169,8 +169,11 @@ XDIST := --numprocesses 2 --dist loadfile --no-loadscope-reorder
 suite: $(DEV) fmus
 	$(RUN) -m pytest $(XDIST) $(if $(TESTS),,--floor deciding) $(TESTS)
 
-test-all: $(DEV) fmus  ## the tests that `make test` leaves out, since others run the same lines and branches
-	@$(RUN) tests/processor_time.py $(RUN) -m pytest $(XDIST) --floor rest $(TESTS)
+test-all: $(DEV)  ## strict types, and the tests that `make test` leaves out, since others run the same lines and branches
+	@$(RUN) tests/processor_time.py $(MAKE) --no-print-directory --jobs 2 rest strict-types
+
+rest: $(DEV) fmus
+	$(RUN) -m pytest $(XDIST) --floor rest $(TESTS)
 
 floors: $(DEV)  ## measure what each test runs, and choose those that decide, tests/left_out.toml (an hour)
 	$(RUN) tools/floors.py $(OPTIONS) $(TESTS)
@@ -208,12 +211,17 @@ suites: $(DEV)  ## run a copy of a Modelica test suite: make suites SUITE=/path 
 
 TYPED := build/typed/railgrip
 
-check: $(DEV)
+typed:
+	@rm -rf $(TYPED) && mkdir -p $(TYPED) && cp -r harness/* estimators controllers fmus $(TYPED)
+
+check: $(DEV) typed
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
-	@rm -rf $(TYPED) && mkdir -p $(TYPED) && cp -r harness/* estimators controllers fmus $(TYPED)
-	$(RUN) -m pyright --pythonpath $(RUN) $(TYPES)
+	$(RUN) -m pyrefly check --python-interpreter-path $(RUN)
 	PYTHONPATH=build/typed $(BIN)/lint-imports --no-logo --no-cache
+
+strict-types: $(DEV) typed
+	$(RUN) -m pyright --pythonpath $(RUN) $(TYPES)
 
 ESTIMATIONS := harness/estimation/library
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import product
-from typing import Annotated, ClassVar, Final
+from typing import Annotated, ClassVar, Final, get_args
 
 from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.parameters import SlipSource
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose
 
 _RANGES: Final = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
@@ -49,7 +49,9 @@ class SlipTwoState(GroupLaw):
     description = "Slip-based two-level wheel-slide protection"
     brake_data = FULL_PRESSURE
     tuning = SlipLevels
-    ranges: ClassVar[Ranges] = dict.fromkeys(product(("ideal", "pneumatic"), ("read", "estimated")), _RANGES)
+    ranges: ClassVar[Ranges] = {
+        (actuation, slip): _RANGES for actuation in ("ideal", "pneumatic") for slip in get_args(SlipSource)
+    }
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:

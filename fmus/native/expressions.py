@@ -113,7 +113,8 @@ class ExpressionBuilder:
         self.required = {when: Evaluation() for when in ("running", "watched", "start", "event")}
         self._top = Frame()
         self._numbers: dict[float, Array] = {}
-        self._user, self._only_if = self.required["running"], None
+        self._user = self.required["running"]
+        self._only_if: SX | None = None
         self._calls: list[str] = []
         self._is_guarded = False  # by a relation that keeps its value until an event
 

@@ -158,7 +158,7 @@ class Sweep:
             for name in ("outcome", "reason")
         }
         for name, figure in FIGURES.items():
-            found = [result.metrics and getattr(result.metrics, name) for result in self.results]
+            found = [getattr(result.metrics, name) if result.metrics else None for result in self.results]
             known = [np.asarray(value, dtype=np.float64) for value in found if value is not None]
             if not known:
                 continue

@@ -21,7 +21,7 @@ from railgrip.base.system import Variable
 from railgrip.base.units import BASE, Exponents, Unit, unit
 from railgrip.fmi.archive import DESCRIPTION, Outline, copy_of_description, digest, members, outline
 
-PLATFORM: Final = cast(str, fmpy.platform)
+PLATFORM: Final[str] = fmpy.platform
 """Name of this platform in FMI 2.0: the folder of the binaries that this machine loads."""
 PLATFORMS: Final[dict[int, str]] = {2: PLATFORM, 3: fmpy.platform_tuple}
 """Folder of the binaries by FMI version."""

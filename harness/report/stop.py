@@ -80,8 +80,8 @@ _PATCH = _table(mu0=(list[FiniteFloat], []), polach=(_CURVE | None, None))
 _ADHESION = _table(
     _KIND,
     polach=_CURVE,
-    polach_of_wheelset=(list[_CURVE], []),
-    patch=(list[_PATCH], []),
+    polach_of_wheelset=(list[_CURVE], []),  # pyrefly: ignore[invalid-annotation]
+    patch=(list[_PATCH], []),  # pyrefly: ignore[invalid-annotation]
     calibrated=(dict[str, FiniteFloat], {}),
 )
 _CONSTANT = _table(_ADHESION, mu0=list[FiniteFloat])
@@ -91,7 +91,7 @@ _SCENARIO = _table(
     name=Name,
     description=(str, ""),
     seed=Seed,
-    vehicle=_table(**dict.fromkeys(("train", "model", "plant"), (str | None, None))),
+    vehicle=_table(train=(str | None, None), model=(str | None, None), plant=(str | None, None)),
     start=_table(speed=Annotated[FiniteFloat, Field(ge=0, le=1e6)]),
     adhesion=_ADHESION,
     sensors=_KIND,

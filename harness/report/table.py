@@ -61,6 +61,8 @@ class Link(str):
 
     __slots__ = ("address",)
 
+    address: str
+
     def __new__(cls, text: str, address: str) -> Self:
         """Return a text with an address, relative to the page."""
         link = super().__new__(cls, text)

@@ -258,9 +258,10 @@ def _accelerators(train: Train) -> Iterator[TrainRemark]:
 def _reservoirs(train: Train) -> Iterator[TrainRemark]:
     """Yield cars whose reservoir falls, isothermally, below the pressure of its cylinders in a single application."""
     is_pipe = isinstance(train.command, BrakePipe)
-    volume = train.command.reservoir if isinstance(train.command, BrakePipe) else train.air and train.air.reservoir
-    if volume is None:
+    source = train.command if isinstance(train.command, BrakePipe) else train.air
+    if source is None or source.reservoir is None:
         return
+    volume = source.reservoir
     start = _PIPE_PRESSURE if train.air is None or is_pipe else train.air.pressure
     for number, car in enumerate(train.cars):
         axles = [(axle.units, train.bogies_in_train[axle.bogie].brake) for axle in train.axles if axle.car == number]

@@ -292,7 +292,7 @@ def nest(changes: Mapping[str, Any]) -> dict[str, Any]:
     """
     tree: dict[str, Any] = {}
     for key, value in changes.items():
-        layer = value
+        layer: Any = value
         for part in reversed(parts_of(key)):
             layer = {part: layer}
         try:

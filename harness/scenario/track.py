@@ -287,8 +287,8 @@ class TrackForce:
     begins: NDArray[np.float64]
     forces: NDArray[np.float64]
     rates: NDArray[np.float64]
-    behind: Sequence[float] = (0.0,)
-    shares: Sequence[float] = (1.0,)
+    behind: Sequence[float] | NDArray[np.float64] = (0.0,)
+    shares: Sequence[float] | NDArray[np.float64] = (1.0,)
 
     @property
     def is_even(self) -> bool:

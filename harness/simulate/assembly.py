@@ -187,8 +187,9 @@ def assemble(
             train_level=train_level_of(vehicle) if is_limited else None,
             valves=None if commands_valves else valve_logic_of(vehicle),
             full=formation.pressure_max,
-            driver=scenario.demand
-            and driver_of(
+            driver=None
+            if scenario.demand is None
+            else driver_of(
                 layout,
                 scenario.demand,
                 clock.period,

@@ -201,7 +201,7 @@ def require_python_plant(vehicle: VehicleData, plant: CustomPlant) -> CustomPlan
 def _refuse_steep_track(vehicle: VehicleData) -> None:
     """Raise an error for a track that is too steep for a train of this mass; a foreign plant's mass may be unknown."""
     mass = vehicle.mass
-    most, force = STEEPEST * GRAVITY * mass, max(vehicle.track_force.forces, key=abs)
+    most, force = STEEPEST * GRAVITY * mass, float(max(vehicle.track_force.forces, key=np.abs))
     if mass and abs(force) > most:
         raise ScenarioError(
             f"[track] puts {force:.6g} N on a train of {mass:.6g} kg, but a gradient of {100 * STEEPEST:.0f} % only "

@@ -397,7 +397,7 @@ def require_role(description: Description, expected: Role, where: str) -> None:
         FmuError: The FMU has another role; the message names the key for it.
     """
     role = role_of(description)
-    if role not in (expected, None):
+    if role is not None and role != expected:
         what, remedy = _USES[role]
         raise FmuError(
             f"{where}: {description.file.name} is {what} by its inputs and outputs, not {_USES[expected][0]}; {remedy}."

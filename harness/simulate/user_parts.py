@@ -158,7 +158,7 @@ class Plant(Protocol):
         ...
 
 
-class _KnownBrake(Brake):
+class _KnownBrake(Brake):  # pyrefly: ignore[bad-class-definition] - Brake alone is a dataclass
     """A brake that raises an error when a user's class reads data that neither plant nor scenario gives."""
 
     __slots__ = ()

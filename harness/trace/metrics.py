@@ -373,7 +373,7 @@ class Metrics:
         Raises:
             ValueError: A figure is unknown, or has another type or number of values.
         """
-        lengths = {
+        lengths: dict[str, int] = {
             figure.extent: len(cast("list[Any]", each))
             for name, figure in FIGURES.items()
             if figure.extent != "train" and isinstance(each := plain.get(name), list)

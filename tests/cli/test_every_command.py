@@ -137,8 +137,8 @@ MAKE = {
     f"estimate OPTIONS='--quick {OF_STUDIES} out/estimate_studies'": "build/estimate/wagon-relaxing/index.html",
     "mutants OPTIONS='--stops trapezoid-ideal-slip_two_state --only A_piston --workers 1'":
         "1 of 1 mutants were noticed",
-    "test TESTS=tests/test_units.py TYPES=harness/base/units.py BASELINES=small": "processor time: ",
-    "test-all TESTS=tests/scenario/test_quantities.py": "processor time: ",
+    "test TESTS=tests/test_units.py BASELINES=small": "processor time: ",
+    "test-all TESTS=tests/scenario/test_quantities.py TYPES=harness/base/units.py": "processor time: ",
     "floors TESTS=tests/test_units.py OPTIONS='--out out/left_out.toml'": "out/left_out.toml",
     "portable TESTS=tests/test_units.py": "build/portable/stop.json",
     "fuzz TESTS=tests/test_units.py": " passed",

@@ -240,7 +240,7 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
                 mean(f"{name}: adhesion RMSE", rmse)
                 for name, rmse in zip(errors.index, errors["rmse.adhesion"], strict=True)
             ),
-            mean("fmu: adhesion coverage", float(errors.loc["fmu", "coverage.adhesion"])),
+            mean("fmu: adhesion coverage", float(errors["coverage.adhesion"].loc["fmu"])),
         ]
 
 

@@ -302,12 +302,12 @@ def read_shipped(
         found = pandas.DataFrame([row for row in csv.DictReader(lines) if row["case"] in by_name])
         numbers = found.columns.difference(["case", "controller", "outcome"])
         found[numbers] = found[numbers].replace("", math.nan).astype(float)
-        variants = [
-            {name: value for name, value in by_name[case].variants().items() if name != "case"}
-            for case in found["case"]
-        ]
-        speeds = [by_name[case].speed for case in found["case"]]
-        frames.append(frame_of_rows(found.assign(variants=variants, speed=speeds)))
+        variants = (
+            {n: value for n, value in by_name[case].variants().items() if n != "case"} for case in found["case"]
+        )
+        found["variants"] = pandas.Series([*variants], dtype=object)
+        found["speed"] = [by_name[case].speed for case in found["case"]]
+        frames.append(frame_of_rows(found))
         sentences.append(f"Shipped results come with the package and are of railgrip {release}.")
     return pandas.concat(frames, ignore_index=True) if frames else frame_of_rows([]), sentences
 
