@@ -1,6 +1,7 @@
 /* Rows of numbers in vectors of LANE_BYTES. The length of a row is a constant, WIDEST or less.
 
-   Sums run in the order written, so that all widths of vectors give the same bits, and stay in registers. */
+   Sums run in the order written, so that all widths of vectors give the same bits, and stay in registers, for which the
+   loops over the vectors of a row must be unrolled: clang does not by itself for WebAssembly. */
 #ifndef LANES_H
 #define LANES_H
 
@@ -14,14 +15,17 @@ static inline void combine_lanes(int from, int to, int length, double *sum, cons
                                  const double *factor, const int *at, const double *rows)
 {
     lane total[LANES(WIDEST)];
+#pragma GCC unroll 32
     for (int l = from; l < to; l++)
         total[l] = ((const lane *)start)[l];
     for (int k = 0; k < count; k++) {
         const lane *term = (const lane *)(rows + (at ? at[k] : k) * length);
         const double times = factor[k];
+#pragma GCC unroll 32
         for (int l = from; l < to; l++)
             total[l] += times * term[l];
     }
+#pragma GCC unroll 32
     for (int l = from; l < to; l++)
         ((lane *)sum)[l] = total[l];
 }
