@@ -46,7 +46,9 @@ class Tuning(Parameters):
             value = getattr(self, name)
             if not (isfinite(value) and value >= 0.0) or (name in self.POSITIVE and value == 0.0):
                 kind = "positive" if name in self.POSITIVE else "not negative"
-                raise ValueError(f"{self.LAW}: {name} must be finite and {kind}, got {value} {unit}.")
+                raise ValueError(
+                    f"{self.LAW or type(self).__name__}: {name} must be finite and {kind}, got {value} {unit}."
+                )
 
     @classmethod
     def units(cls) -> dict[str, str]:
@@ -250,8 +252,17 @@ class GroupLaw(Law):
         module = Path(inspect.getfile(cls))
         file = module.with_name(file_of(module.stem, name))
         found = tuned_values(file, name, actuation, slip) if file.exists() else {}
+        return cls.tuning_with(**{**found, **others})
+
+    @classmethod
+    def tuning_with(cls, **values: float) -> Tuning:
+        """Return the parameters with these values; names that are not parameters of this law are ignored.
+
+        Raises:
+            ValueError: A value is invalid.
+        """
         names = cls.tuning.meanings().keys()
-        return cls.tuning(**{key: value for key, value in {**found, **others}.items() if key in names})
+        return cls.tuning(**{key: value for key, value in values.items() if key in names})
 
 
 class SetSlipLaw(GroupLaw):

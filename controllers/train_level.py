@@ -1,4 +1,4 @@
-"""Decisions on top of a law's demands for its groups: shared valves, redistribution and a limit on releases."""
+"""Decisions on top of a law's demands for its groups: limits, shared valves, redistribution, releases that end."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -39,6 +39,15 @@ def pass_through(groups: Sequence[Brake]) -> Law:
         "PassThrough", "Demands its input", len(groups), lambda _: lambda _, group: group.demand, TRAIN_INPUTS
     )
     return Law(formula, groups, {})
+
+
+def within_brake(law: Law, groups: Sequence[Brake]) -> Law:
+    """Return a law whose demands are limited to 0 … pressure_max; a demand of NaN becomes full pressure."""
+    demands, following, symbols = _open_formula(law.formula)
+    parameters = _by_name(law.formula.parameters, symbols[2])
+    most = [parameters[f"pressure_max[{g}]"] for g in range(1, len(demands) + 1)]
+    limited = [choose(p <= 0.0, 0.0, choose(p < full, p, full)) for p, full in zip(demands, most, strict=True)]
+    return _law(law, groups, replace(law.formula, step=_step(symbols, following, limited)))
 
 
 def with_shared_valves(law: Law, groups: Sequence[Brake], groups_per_valve: Sequence[int], choice: Choice) -> Law:

@@ -11,7 +11,7 @@ import copy
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from typing import TypeVar
 
 import numpy as np
@@ -26,6 +26,7 @@ from railgrip.base.errors import (
     SensorsFailed,
 )
 from railgrip.base.units import short
+from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.observation import Observation
 from railgrip.simulate.loop.plausible import slowing_of
 from railgrip.simulate.plant_trial import TrialPlant, findings
@@ -72,6 +73,8 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
     Raises:
         ContractBroken: The law violates one of these requirements.
     """
+    if isinstance(factory, type) and issubclass(factory, GroupLaw):
+        factory = partial(_StartedFormula, factory)
     limits_of = cache(DemandLimits)  # common to both runs: the unit of demands is checked once
 
     def rows(law: Controller, formation: Formation) -> Iterator[Row]:
@@ -92,6 +95,21 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
                 yield tuple(limits.limit(demands, observation).tolist())
 
     _require_repeatable(factory, "decide", rows)
+
+
+class _StartedFormula:
+    """A law that is a formula, with the methods of a class in Python."""
+
+    def __init__(self, kind: type[GroupLaw]) -> None:
+        self._kind, self.needs = kind, kind.needs
+
+    def start(self, formation: Formation) -> None:
+        """Open the formula, with the defaults of its parameters."""
+        self._law = self._kind(formation.brakes, self._kind.tuning_with(period=_PERIOD))
+
+    def decide(self, observation: Observation) -> Sequence[float]:
+        """Return the demanded pressure of each group [Pa]."""
+        return self._law.decide(observation)
 
 
 def check_estimator(factory: Callable[[], Estimator]) -> None:

@@ -10,7 +10,7 @@ import typer
 from railgrip.base.errors import InputError, PlantFailed
 from railgrip.base.names import did_you_mean
 from railgrip.base.records import make_folder, require_own
-from railgrip.cli.app import RUN_FAILED, File, Overrides, With, fail
+from railgrip.cli.app import RUN_FAILED, File, ImportFrom, Overrides, With, fail
 from railgrip.fmi import describe
 from railgrip.fmi.trials import validation_problems
 from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, translate
@@ -26,6 +26,7 @@ from railgrip.simulate.export.controller_and_plant import controller_fmu, plant_
 from railgrip.simulate.export.ssp import write_ssp
 from railgrip.simulate.map_draft import controller_lines, find_mapping
 from railgrip.simulate.named_models import require_role, role_of
+from railgrip.simulate.user_parts import CustomParts
 
 
 def build_command(
@@ -161,9 +162,11 @@ def export(
         Path | None,
         typer.Option(metavar="FILE.html", help="Instead of an FMU, write a page that runs the stop in a browser."),
     ] = None,
+    import_from: ImportFrom = None,
 ) -> None:
     """Make FMUs of a scenario for another tool, or a page that runs its stop."""
     scenario, targets = load(file, overrides or [], equipment or []), _targets(platforms or [])
+    objects = CustomParts(folders=tuple(import_from or ()))
     others = out is not None or fmi == 3 or part != "onboard" or library
     if page is not None and (others or targets or ssp is not None):
         raise InputError("--page writes the whole stop for all platforms into one file; leave out the other options.")
@@ -171,7 +174,9 @@ def export(
         raise InputError("--ssp writes all parts by FMI 2 into one file; leave out --out, --part, --fmi and --library.")
     if page is not None:
         make_folder(page.parent, page.name)
-        for sentence in write_page(lambda more: load(file, [*(overrides or []), *more], equipment or []), page):
+        for sentence in write_page(
+            lambda more: load(file, [*(overrides or []), *more], equipment or []), page, objects
+        ):
             remark(sentence)
         say(str(page))
         return
@@ -187,18 +192,18 @@ def export(
         folder = out or Path("build") / f"{scenario.name}-library"
         require_own(folder)
         make_folder(folder, "library")
-        for file in write_library(scenario, folder):
+        for file in write_library(scenario, folder, objects):
             say(str(file))
         return
     place = out or Path("build") / f"{scenario.name}-{part}.fmu"
     make_folder(place.parent, place.name)
     match part:
         case "controller":
-            source = controller_fmu(scenario)
+            source = controller_fmu(scenario, objects=objects)
         case "plant":
             source = plant_fmu(scenario)
         case _:
-            source = part_fmu(scenario, part)
+            source = part_fmu(scenario, part, objects=objects)
     say(str(pack(as_fmi_3(source) if fmi == 3 else source, place, platforms=targets)))
 
 

@@ -34,7 +34,7 @@ from railgrip.simulate.loop.interfaces import Clock, LoopController, Parts, Stat
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.remarks import remarks_after, remarks_before, remarks_on_use, remarks_on_vehicle, target_of
-from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomParts, UserParts
+from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomController, CustomParts, UserParts
 from railgrip.simulate.value_checks import DemandLimits
 from railgrip.simulate.vehicle_data import Opening, VehicleData
 from railgrip.trace.bound import with_bound
@@ -168,8 +168,9 @@ def assemble(
             filter_ = state_estimator(opening, scenario.estimator)
             estimates = frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
         law = user.controller()
-        controller, commands_valves = open_controller(opening, estimates) if law is None else (law, False)
-        limits = DemandLimits(formation, "The controller" if law is None else law.place)
+        is_object = isinstance(law, CustomController)
+        controller, commands_valves = (law, False) if is_object else open_controller(opening, estimates, law)
+        limits = DemandLimits(formation, law.place if is_object else "The controller")
         is_limited = not commands_valves and not isinstance(controller, Sampled)
         _require_estimates(scenario, controller, estimates)
         _require_demand(scenario, commands_valves=commands_valves)

@@ -5,9 +5,10 @@ of one group after the other slide. A controller that protects from sliding lowe
 slide. If it lowers that of another group instead, its map has groups in another order.
 """
 
-from collections.abc import Callable, Collection, Generator, Sequence
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -17,19 +18,27 @@ from railgrip import fmi
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import ControllerFailed, FmuError, PlantFailed, ScenarioError
 from railgrip.base.names import ElementName
-from railgrip.controllers.law import Law
+from railgrip.base.units import short
+from railgrip.controllers.law import GroupLaw, Law, Tuning
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.parameters import SEARCHED
 from railgrip.controllers.sampled import Sampled
-from railgrip.controllers.train_level import pass_through, with_redistribution, with_release_limit, with_shared_valves
+from railgrip.controllers.train_level import (
+    pass_through,
+    with_redistribution,
+    with_release_limit,
+    with_shared_valves,
+    within_brake,
+)
 from railgrip.controllers.valves import BAND, PULSE_MIN, ValveLogic, ValveModel
 from railgrip.fmi import Binding, Description, bind, foreign_code, open_plant
 from railgrip.scenario.onboard import BuiltInLaw as LawTable
 from railgrip.scenario.onboard import ControllerFmu, KalmanFilter
-from railgrip.scenario.quantity import in_units
+from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.interfaces import LawStates, LoopController, LoopPlant
 from railgrip.simulate.named_models import description_of_file, require_role, units_of
+from railgrip.simulate.user_parts import FormulaLaw, call_user_code
 from railgrip.simulate.vehicle_data import Opening, VehicleData, law_named
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.parameters import units_of_nominal_data
@@ -235,8 +244,10 @@ def binding_of(
     return binding, decisions[0]
 
 
-def open_controller(stop: Opening, estimates: Collection[str]) -> tuple[LoopController, bool]:
-    """Open the controller of a scenario; also return whether it commands the valves directly.
+def open_controller(
+    stop: Opening, estimates: Collection[str], own: FormulaLaw | None = None
+) -> tuple[LoopController, bool]:
+    """Open the controller of a scenario, or a user's formula; also return whether it commands the valves directly.
 
     Inputs of a controller FMU without a source, such as an adhesion that is not estimated, are reported.
 
@@ -247,7 +258,7 @@ def open_controller(stop: Opening, estimates: Collection[str]) -> tuple[LoopCont
     """
     vehicle, scenario, table = stop.vehicle, stop.vehicle.scenario, stop.vehicle.scenario.controller
     if not isinstance(table, ControllerFmu):
-        return controller_of(vehicle), False
+        return controller_of(vehicle, own), False
     description = description_of_file(table.file.path, scenario.limits.fmu)
     name = description.file.name
     stop.add_fmu(description, "controller")
@@ -300,13 +311,13 @@ def _try_controller(stop: Opening, law: ForeignController, name: str, has_estima
         )
 
 
-def controller_of(vehicle: VehicleData) -> LoopController:
-    """Return the control law of a scenario, wrapped in the decisions for the whole train.
+def controller_of(vehicle: VehicleData, own: FormulaLaw | None = None) -> LoopController:
+    """Return the control law of a scenario, `own` if it is a user's, wrapped in the decisions for the whole train.
 
     Raises:
-        ScenarioError: A parameter is wrong, or the controller is not a built-in law.
+        ScenarioError: A parameter is wrong, the controller is neither built-in nor `own`, or `own` is no formula.
     """
-    return _add_train_level(vehicle, _group_law(vehicle))
+    return _add_train_level(vehicle, _built_in_law(vehicle) if own is None else _own_law(vehicle, own))
 
 
 def exceeds_driver(scenario: Scenario) -> bool:
@@ -352,12 +363,7 @@ def _add_train_level(vehicle: VehicleData, law: Law) -> Law:
     return law
 
 
-def _group_law(vehicle: VehicleData) -> Law:
-    """Return the law for single groups, its named set changed by [controller.parameters].
-
-    Raises:
-        ScenarioError: A parameter is wrong, or the controller is not a built-in law.
-    """
+def _built_in_law(vehicle: VehicleData) -> Law:
     scenario = vehicle.scenario
     table = scenario.controller
     kind = law_named(table.kind) if isinstance(table, LawTable) else None
@@ -366,17 +372,64 @@ def _group_law(vehicle: VehicleData) -> Law:
     train = units_of_nominal_data(vehicle.formation)
     parameters = {name: value for name, value in table.parameters.items() if name not in train}
     values = in_units("[controller.parameters]", parameters, kind.tuning.units())
+    try:
+        slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
+        name = table.tuning or SEARCHED
+        return _group_law(vehicle, kind, partial(kind.load_tuning, scenario.actuation.kind, slip, name), values)
+    except ValueError as problem:
+        raise ScenarioError(f"{scenario.name}: [controller] {problem}") from problem
+
+
+def _own_law(vehicle: VehicleData, own: FormulaLaw) -> Law:
+    """Return a user's law with limited demands, after a short run of it."""
+    scenario, brakes, name = vehicle.scenario, vehicle.nominal.formation.brakes, own.kind.__name__
+
+    def failed(problem: str) -> ScenarioError:
+        return ScenarioError(f"{scenario.name}: [controller] {name} does not give a formula: {problem}")
+
+    magnitudes = dict[str, Magnitude]()
+    for key, value in own.parameters.items():
+        try:
+            magnitudes[key] = Magnitude(value)
+        except (TypeError, ValueError) as problem:
+            raise ScenarioError(
+                f"{scenario.name}: [controller.parameters] {key} is {short(value)}, but a number, or a text such as "
+                "'10 %', is expected"
+            ) from problem
+    values = in_units("[controller.parameters]", magnitudes, call_user_code(lambda: own.kind.tuning.units(), failed))
+
+    def open_law() -> Law:
+        return call_user_code(lambda: _group_law(vehicle, own.kind, own.kind.tuning_with, values), failed)
+
+    trial, full = open_law(), vehicle.nominal.formation.pressure_max
+
+    def decide(observation: Observation) -> Sequence[float]:
+        demands = np.array(trial.decide(observation))
+        if not np.all((demands >= 0.0) & (demands <= full * (1.0 + 1e-9))):
+            raise ScenarioError(
+                f"{scenario.name}: [controller] {name} demands {demands.tolist()} Pa in a short run, at slips of "
+                f"{observation.slip.tolist()}; expected are 0 to {full.tolist()} Pa"
+            )
+        return demands.tolist()
+
+    changes = responses(decide, brakes, scenario.periods.controller, estimates=bool(trial.needs))
+    if words := order_mistake(changes):
+        raise ScenarioError(f"{scenario.name}: [controller] {name}: in a short run it {words}.")
+    return within_brake(open_law(), brakes)
+
+
+def _group_law(
+    vehicle: VehicleData, kind: type[GroupLaw], tuning_with: Callable[..., Tuning], values: Mapping[str, float]
+) -> GroupLaw:
+    """Return a law for single groups; `tuning_with` returns its parameters with `values` in SI units."""
+    scenario = vehicle.scenario
     of_other_tables = {
         "period": scenario.periods.controller,
         "adhesion_max": scenario.limits.alpha_max,
         "pressure_lag": scenario.sensors.pressure_lag,
     }
-    slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
-    try:
-        tuning = kind.load_tuning(scenario.actuation.kind, slip, table.tuning or SEARCHED, **(of_other_tables | values))
-    except ValueError as problem:
-        raise ScenarioError(f"{scenario.name}: [controller] {problem}") from problem
-    law, places = kind(vehicle.nominal.formation.brakes, tuning), vehicle.formation.position
+    law = kind(vehicle.nominal.formation.brakes, tuning_with(**{**of_other_tables, **values}))
+    places = vehicle.formation.position
     if places is not None:
         law.place([float(places[members].mean()) for members in vehicle.formation.members()])
     return law

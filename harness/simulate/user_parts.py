@@ -34,6 +34,7 @@ from railgrip.base.errors import (
 from railgrip.base.interrupted import Interrupted
 from railgrip.base.registry import Role, installed_names
 from railgrip.base.units import cut, short
+from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.observation import Observation
 from railgrip.scenario.onboard import CustomLaw, OwnSensors, TrainLevelTable
 from railgrip.scenario.schema import Scenario
@@ -655,16 +656,32 @@ def class_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> type:
         found = getattr(found, part, None)
     if not isinstance(found, type):
         raise ScenarioError(f"{who}: the module {module} has no class {cut(name)}")
-    require_methods(found, found.__name__, role)
+    if not (role == "controllers" and issubclass(found, GroupLaw)):
+        require_methods(found, found.__name__, role)
     return found
 
 
+@dataclass(frozen=True, slots=True)
+class FormulaLaw:
+    """A user's law that is a formula, like the built-in ones; a stop opens it with the brakes of its train.
+
+    Attributes:
+        kind: The class.
+        parameters: Values that replace those of its `tuning`.
+    """
+
+    kind: type[GroupLaw]
+    parameters: Mapping[str, Any]
+
+
 def instance_of(kind: type, parameters: Mapping[str, Any], where: str) -> Any:
-    """Return a new object of a user's class.
+    """Return a new object of a user's class; a law that is a formula becomes a `FormulaLaw`.
 
     Raises:
         ScenarioError: The class does not take these parameters, or raises; the message begins with `where`.
     """
+    if issubclass(kind, GroupLaw):
+        return FormulaLaw(kind, dict(parameters))
     return call_user_code(
         lambda: kind(**parameters),
         lambda problem: ScenarioError(
@@ -679,6 +696,8 @@ def _table(role: Role) -> str:
 
 def table_of(part: object, table: type[_Table] = Custom, **keys: Any) -> _Table:
     """Return the table that represents an object given by a caller; `keys` are further keys of that table."""
+    if isinstance(part, FormulaLaw):
+        return table(kind=_name(part.kind), parameters=dict(part.parameters), **keys)
     return table(kind=_name(type(part)), parameters=_plain_attributes(part), **keys)
 
 
@@ -688,7 +707,7 @@ def origin_of(part: object, parameters: Mapping[str, Any]) -> dict[str, Any]:
     The digest is that of the module's file, else of the class's source text; None if neither exists. The arguments of
     an object given by a caller are its public plain attributes.
     """
-    kind = type(part)
+    kind = part.kind if isinstance(part, FormulaLaw) else type(part)
     return {"class": _name(kind), "source_sha256": _source(kind), "parameters": dict(parameters)}
 
 
@@ -786,10 +805,10 @@ class UserParts:
         self.classes: dict[str, dict[str, Any]] = {}
         self._objects, self._scenario, self._layout = objects, scenario, layout
 
-    def controller(self) -> CustomController | None:
+    def controller(self) -> CustomController | FormulaLaw | None:
         """Return the controller; None for a built-in law or an FMU."""
         law = self._part("controllers", self._scenario.controller, self._objects.controller)
-        return None if law is None else CustomController(law, self._layout.formation)
+        return law if law is None or isinstance(law, FormulaLaw) else CustomController(law, self._layout.formation)
 
     def estimator(self) -> CustomEstimator | None:
         """Return the estimator; None for a built-in one or none."""

@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import re
+import sys
 from importlib.resources import files
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from railgrip.scenario.load import load
 from railgrip.simulate.export.browser import write_page
 from railgrip.simulate.export.c_parts import with_filter_in_c
 from railgrip.simulate.run import run_stop
+from railgrip.simulate.user_parts import CustomParts
 
 DOCUMENTED = Path(__file__).parents[2] / "docs/stop.html"
 SETTINGS = 20
@@ -116,6 +118,25 @@ def test_a_stop_in_a_browser_is_that_of_the_loop(page, tmp_path):
         assert here["distance"] == pytest.approx(there.metrics.distance, rel=ROUNDING if is_exact else AMPLIFIED)
         assert here["time"] == pytest.approx(there.metrics.duration, rel=ROUNDING if is_exact else AMPLIFIED)
         assert here["peaks"] > 100
+
+
+def test_the_law_of_the_tutorial_runs_on_a_page(tmp_path, monkeypatch):
+    text = (DOCUMENTED.parent / "tutorials/own_controller.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```(?:python|toml)\n(.*?)```", text, re.DOTALL)
+    module, named = (
+        next(each for each in blocks if part in each) for part in ("class ThresholdFormula", "[controller]")
+    )
+    (tmp_path / "my_formula.py").write_text(module, encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(named, encoding="utf-8")
+    monkeypatch.delitem(sys.modules, "my_formula", raising=False)
+    objects, page = CustomParts(folders=(tmp_path,)), tmp_path / "mine.html"
+    assert write_page(lambda more: load(tmp_path / "mine.toml", [*more], []), page, objects) == []
+    kind = "my_formula:ThresholdFormula"
+    settings = [{"controls": {}, "shown": [kind], "laws": {kind: {"threshold": level}}} for level in (0.05, 0.15)]
+    for level, here in zip((0.05, 0.15), stops_in_browser(page, tmp_path, settings), strict=True):
+        scenario = load(tmp_path / "mine.toml", [f"controller.parameters.threshold={level}"], [])
+        distance = run_stop(with_filter_in_c(scenario), objects=objects).metrics.distance
+        assert here["distance"] == pytest.approx(distance, rel=AMPLIFIED)
 
 
 def test_a_stop_that_does_not_end_or_run_is_a_sentence(page, tmp_path):

@@ -6,7 +6,7 @@ import re
 import zipfile
 import zlib
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from importlib import resources
@@ -21,6 +21,7 @@ from railgrip.base.arrays import Mask, Vector
 from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.base.files import write_text
 from railgrip.base.names import ElementName
+from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmi import CoSimulation
@@ -32,11 +33,13 @@ from railgrip.report.page import render
 from railgrip.scenario.adhesion import profile_of, recovery_of
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
+from railgrip.scenario.table import Custom
 from railgrip.simulate.assembly import StopAssembly, assemble
 from railgrip.simulate.export.c_parts import sources_of_filter, with_filter_in_c, write_call
 from railgrip.simulate.loop.interfaces import Parts, StateEstimator
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.sensors.service import ServiceSensors
+from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomParts, class_of
 from railgrip.simulate.vehicle_data import VehicleData, law_named
 
 LAWS: Final = ("slip_two_state", "full_brake")
@@ -111,8 +114,17 @@ class _Stop:
     law: Sampled
 
 
-def write_page(load: Load, file: Path) -> list[str]:
+_OpenAt = Callable[..., AbstractContextManager[tuple[StopAssembly, _Stop]]]
+"""Opens a stop at values of the controls, and with further overrides."""
+
+
+def write_page(load: Load, file: Path, objects: CustomParts = NO_CUSTOM_PARTS) -> list[str]:
     """Write a page that runs the stop of a scenario; return sentences on what it leaves out.
+
+    Args:
+        load: Function that loads the scenario.
+        file: The page.
+        objects: Folders of the classes that the scenario names.
 
     Raises:
         ScenarioError: A part of the stop is not in C, or the page would be too large.
@@ -123,9 +135,9 @@ def write_page(load: Load, file: Path) -> list[str]:
     data, files, variables = dict[str, Any](), dict[str, str](), dict[str, Any]()
     laws, controls = list[dict[str, Any]](), every
     for kind in kinds:
-        at = partial(_load_at, load, kind if laws else "", every)
+        at = partial(_assembled, load, objects, kind if laws else "", every)
         try:
-            with _assembled(at({})) as (opened, stop):
+            with at({}) as (opened, stop):
                 code = _code_of_law(opened.parts, len(laws))
                 if not laws:
                     data, (files, variables) = _data(scenario, opened), _files(opened)
@@ -135,9 +147,9 @@ def write_page(load: Load, file: Path) -> list[str]:
             remarks.append(f"The page is without the law {kind}: {problem}")
             continue
         controls, fit = _fit(stop.words, at, controls, remarks)
-        of_law = {"kind": kind, "words": _pack(stop.words.tobytes()), "image": stop.image.words.size, "fit": fit,
-            "links": stop.image.links.ravel().tolist(), "thresholds": _thresholds(kind, stop, at, remarks)}  # fmt: skip
-        laws.append(of_law | code)
+        of_law = {"kind": kind, "words": _pack(stop.words.tobytes()), "image": stop.image.words.size, "fit": fit}
+        of_law |= {"thresholds": _thresholds(kind, stop, at, objects, remarks)}
+        laws.append(of_law | {"links": stop.image.links.ravel().tolist()} | code)
     data["controls"] = [
         {n: getattr(c, n) for n in ("name", "unit", "factor", "start", "low", "high")} for c in controls
     ]
@@ -158,20 +170,23 @@ def write_page(load: Load, file: Path) -> list[str]:
     return remarks
 
 
-def _load_at(
-    load: Load, kind: str, controls: Sequence[Control], values: Mapping[Control, float], *more: str
-) -> Scenario:
-    law = [f"controller.kind={kind}"] if kind else []
-    return load([*law, *(each for c in controls for each in c.overrides(values.get(c, c.start))), *more])
-
-
 def _pack(content: bytes) -> str:
     return base64.b64encode(zlib.compress(content, 9)).decode()
 
 
 @contextmanager
-def _assembled(scenario: Scenario) -> Generator[tuple[StopAssembly, _Stop]]:
-    with assemble(with_filter_in_c(scenario), capacity=1) as opened:
+def _assembled(
+    load: Load,
+    objects: CustomParts,
+    kind: str,
+    controls: Sequence[Control],
+    values: Mapping[Control, float],
+    *more: str,
+) -> Generator[tuple[StopAssembly, _Stop]]:
+    """Open a stop at values of the controls, with another kind of law if one is given."""
+    law = [f"controller.kind={kind}"] if kind else []
+    scenario = load([*law, *(each for c in controls for each in c.overrides(values.get(c, c.start))), *more])
+    with assemble(with_filter_in_c(scenario), objects=objects, capacity=1) as opened:
         parts = opened.parts
         plant, law = _require_c(scenario, parts)
         structs, layout = Loop(parts).structs, parts.layout
@@ -182,8 +197,8 @@ def _assembled(scenario: Scenario) -> Generator[tuple[StopAssembly, _Stop]]:
                 record=structs.record.copy_with(rows=np.zeros(parts.recorder.rows.shape[1])),
             )
         )
-        values = np.array([value for each in plant.setup[2] for value in each.values], dtype=np.float64)
-        yield opened, _Stop(image=image, words=np.concatenate([image.words.view(np.float64), values]), law=law)
+        of_plant = np.array([value for each in plant.setup[2] for value in each.values], dtype=np.float64)
+        yield opened, _Stop(image=image, words=np.concatenate([image.words.view(np.float64), of_plant]), law=law)
 
 
 def _require_c(scenario: Scenario, parts: Parts) -> tuple[CoSimulation, Sampled]:
@@ -204,9 +219,8 @@ def _require_c(scenario: Scenario, parts: Parts) -> tuple[CoSimulation, Sampled]
         or "noise" in getattr(parts.sensors, "fields", ("noise",)),
         f"[estimator] kind '{scenario.estimator.kind}' is not in C; use compiled, fmu, python or decentralised with a "
         "model of this project, or none": not (estimator is None or has_filter),
-        f"[controller] kind '{scenario.controller.kind}' is not a built-in law; choose one of these": not isinstance(
-            law, Sampled
-        ),
+        f"[controller] kind '{scenario.controller.kind}' is not a formula; choose a built-in law, or derive your class "
+        "from GroupLaw": not isinstance(law, Sampled),
     }
     if any(problems.values()):
         sentences = [f"{scenario.name}: {problem}" for problem, is_true in problems.items() if is_true]
@@ -321,7 +335,7 @@ def _scale(values: Mapping[str, float], share: float) -> list[str]:
 
 
 def _fit(
-    base: Vector, load_at: Callable[..., Scenario], controls: Sequence[Control], remarks: list[str]
+    base: Vector, open_at: _OpenAt, controls: Sequence[Control], remarks: list[str]
 ) -> tuple[list[Control], list[Any]]:
     """Find how the words of a stop depend on the controls: linear in each or its inverse, and in products of two.
 
@@ -331,7 +345,7 @@ def _fit(
     kept, slopes = list[Control](), dict[tuple[Term, ...], Vector]()
 
     def words_at(values: Mapping[Control, float]) -> Vector:
-        with _assembled(load_at(values)) as (_, found):
+        with open_at(values) as (_, found):
             if found.words.shape != base.shape:
                 raise ScenarioError("it changes the size of the stop's memory")
             with np.errstate(invalid="ignore"):  # infinite words, which do not change
@@ -372,11 +386,12 @@ def _fit(
     ]
 
 
-def _thresholds(law: str, stop: _Stop, load_at: Callable[..., Scenario], remarks: list[str]) -> list[dict[str, Any]]:
+def _thresholds(
+    law: str, stop: _Stop, open_at: _OpenAt, objects: CustomParts, remarks: list[str]
+) -> list[dict[str, Any]]:
     """Return the parameters of a law that the page may change, and those that each of them must not exceed."""
-    built_in = law_named(law)
-    assert built_in is not None
-    tuning, names = built_in.tuning, [variable.name for variable in stop.law.formula.parameters]
+    kind: type[GroupLaw] = law_named(law) or class_of(Custom(kind=law), "controllers", objects.folders)
+    tuning, names = kind.tuning, [variable.name for variable in stop.law.formula.parameters]
     values = dict(zip(names, stop.law.parameters.tolist(), strict=True))
     free = {name: unit for name, unit in tuning.units().items() if values.get(name)}
     first = stop.image.places.get(stop.law.parameters.ctypes.data, 0)
@@ -385,7 +400,7 @@ def _thresholds(law: str, stop: _Stop, load_at: Callable[..., Scenario], remarks
     for name, place in places.items():
         raised[place] = scaled[name]
     try:
-        with _assembled(load_at({}, *(f"controller.parameters.{n}={v!r}" for n, v in scaled.items()))) as (_, found):
+        with open_at({}, *(f"controller.parameters.{n}={v!r}" for n, v in scaled.items())) as (_, found):
             if not np.array_equal(found.words.view(np.uint64), raised.view(np.uint64)):
                 raise ScenarioError("other parts of the stop depend on them")
     except ScenarioError as problem:

@@ -34,6 +34,7 @@ from railgrip.simulate.loop.loop import Loop, Structs
 from railgrip.simulate.sensors.ideal import IdealSensors
 from railgrip.simulate.sensors.service import ServiceSensors
 from railgrip.simulate.sensors.white import WhiteSensors
+from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomParts
 from railgrip.vehicle.signals import DRIVER_DEMAND, ESTIMATED_STATES, OBSERVATION, Layout, Role, Signal, names_of
 
 Kind = Literal["onboard", "estimator", "sensors", "track"]
@@ -65,15 +66,20 @@ class _Role:
     macros: Mapping[str, object]
 
 
-def part_fmu(scenario: Scenario, kind: Kind, convert: Conversion = lambda system: system) -> Source:
+def part_fmu(
+    scenario: Scenario,
+    kind: Kind,
+    convert: Conversion = lambda system: system,
+    objects: CustomParts = NO_CUSTOM_PARTS,
+) -> Source:
     """Return C code and modelDescription.xml of a part of a scenario's stop; errors are those of `part_in_c`."""
-    system = convert(part_in_c(scenario, kind))
+    system = convert(part_in_c(scenario, kind, objects))
     # A train that begins to move would only wait for zeros.
     readings = sum(not variable.name.startswith("driver_demand") for variable in system.inputs)
     return sources(system, waits=readings if scenario.start.speed else 0, hidden=PERIODS)
 
 
-def part_in_c(scenario: Scenario, kind: Kind) -> SampledSystem:
+def part_in_c(scenario: Scenario, kind: Kind, objects: CustomParts = NO_CUSTOM_PARTS) -> SampledSystem:
     """Return a part of a scenario's stop as a separate system.
 
     A step is one communication period. Readings are NaN where a sensor has no new one.
@@ -83,15 +89,15 @@ def part_in_c(scenario: Scenario, kind: Kind) -> SampledSystem:
         FmuError: The plant does not fit.
     """
     scenario = with_filter_in_c(scenario)
-    with assemble(scenario) as opened:
+    with assemble(scenario, objects=objects) as opened:
         parts, structs = opened.parts, Loop(opened.parts).structs
         role = _ROLES[kind](scenario, parts, structs)
         return _system(scenario, parts, kind, role)
 
 
-def readings_of(scenario: Scenario) -> NDArray[np.float64]:
+def readings_of(scenario: Scenario, objects: CustomParts = NO_CUSTOM_PARTS) -> NDArray[np.float64]:
     """Return the inputs of the onboard part in each sample of a scenario's stop, shape (samples, inputs)."""
-    with assemble(with_filter_in_c(scenario)) as opened:
+    with assemble(with_filter_in_c(scenario), objects=objects) as opened:
         opened.run()
         recorder, parts = opened.recorder, opened.parts
         rows = recorder.rows[: recorder.written]
@@ -101,7 +107,7 @@ def readings_of(scenario: Scenario) -> NDArray[np.float64]:
         return np.hstack([rows[:, recorder.block(parts.layout.signals["reading"])], demand])
 
 
-def write_library(scenario: Scenario, folder: Path) -> Iterator[Path]:
+def write_library(scenario: Scenario, folder: Path, objects: CustomParts = NO_CUSTOM_PARTS) -> Iterator[Path]:
     """Write the onboard part as a library for real-time targets, with the readings of a stop to measure its run time.
 
     The files are library, header, worst_case.c, readings.csv and the folder `sources`; yield the files.
@@ -110,12 +116,12 @@ def write_library(scenario: Scenario, folder: Path) -> Iterator[Path]:
         ScenarioError: A part is not in C, see `part_in_c`.
         CompilerMissing, BuildFailed: Raised by the C compiler.
     """
-    system = part_in_c(scenario, "onboard")
+    system = part_in_c(scenario, "onboard", objects)
     name, files = c_identifier(system.name), sources_of_library(system)
     assert isinstance(system.step, WrittenStep)
     units = (f"{name}.c", *system.step.units)
     names = ",".join(variable.name for variable in system.inputs)
-    rows = "\n".join(",".join(map(repr, row)) for row in readings_of(scenario).tolist())
+    rows = "\n".join(",".join(map(repr, row)) for row in readings_of(scenario, objects).tolist())
     at_top = {f"{name}.h": files[f"{name}.h"], "worst_case.c": files["worst_case.c"]}
     at_top["readings.csv"] = f"{names}\n{rows}\n"
     contents = {folder / file: text.encode() for file, text in at_top.items()}

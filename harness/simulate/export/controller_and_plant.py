@@ -25,6 +25,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle_table import ModelicaPlant
 from railgrip.simulate.bound_plant import binding_of, perturb_parameters, values_of
 from railgrip.simulate.controller import controller_of, exceeds_driver, valve_logic_of
+from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomParts, FormulaLaw, UserParts
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.vehicle.signals import Layout
 
@@ -38,7 +39,11 @@ PERIODS = frozenset({"period", _VALVES + "period"})
 
 
 def controller_fmu(
-    scenario: Scenario, *, with_valves: bool = True, convert: Conversion = lambda system: system
+    scenario: Scenario,
+    *,
+    with_valves: bool = True,
+    convert: Conversion = lambda system: system,
+    objects: CustomParts = NO_CUSTOM_PARTS,
 ) -> Source:
     """Return C code and modelDescription.xml of a controller, with its valve logic if `with_valves` is set.
 
@@ -49,11 +54,13 @@ def controller_fmu(
     is refused.
 
     Raises:
-        ScenarioError: The controller is not a built-in law, such as the ideal bound.
+        ScenarioError: The controller is not a formula, such as the ideal bound.
     """
     vehicle = VehicleData(scenario)
     groups = vehicle.nominal.formation.brakes
-    law, valves = controller_of(vehicle), valve_logic_of(vehicle) if with_valves else None
+    own = UserParts(objects, scenario, vehicle.layout).controller()
+    law = controller_of(vehicle, own if isinstance(own, FormulaLaw) else None)
+    valves = valve_logic_of(vehicle) if with_valves else None
     assert isinstance(law, Sampled)
     states = started_at(law.formula.states, law.state, _MEMORY)
     parameters = law_parameters(law, law.formula.inputs)
