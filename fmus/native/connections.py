@@ -6,6 +6,7 @@ Section numbers are those of the Modelica Language Specification, version 3.6.
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from railgrip.base.groups import gather
 from railgrip.fmus.native.classes import Class, Element, Node, Tree, path_of, prefix, walk
 
 _Places = dict[str, list[tuple[Node, list[Node], int]]]
@@ -30,12 +31,12 @@ def findings(tree: Tree, flat: Mapping[str, Node]) -> Iterator[str]:
 
 def _places(flat: Mapping[str, Node]) -> _Places:
     # So that not the names of all variables are searched for each reference.
-    found: _Places = {}
-    for variable in flat.values():
-        parts: list[Node] = (variable.get("component_ref") or {}).get("parts") or []
-        for place, part in enumerate(parts):
-            found.setdefault(part["ident"], []).append((variable, parts, place))
-    return found
+    return gather(
+        (part["ident"], (variable, parts, place))
+        for variable in flat.values()
+        for parts in [(variable.get("component_ref") or {}).get("parts") or []]
+        for place, part in enumerate(parts)
+    )
 
 
 def _forms(tree: Tree, class_: Class, equation: Node) -> Iterator[str]:

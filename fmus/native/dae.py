@@ -17,6 +17,7 @@ import rumoca
 
 from railgrip.base.errors import InputError, TranslationError
 from railgrip.base.files import read_bytes, read_text, scratch
+from railgrip.base.groups import gather
 from railgrip.fmus.native.classes import Node, Sources, Tree, read_tree
 from railgrip.fmus.native.error_places import (
     code_of,
@@ -206,11 +207,8 @@ class Dae:
     @cached_property
     def by_span(self) -> dict[tuple[int, int, int], list[Node]]:
         """Expression nodes by source id, begin and end of their text, by which alone time events refer to them."""
-        nodes: dict[tuple[int, int, int], list[Node]] = {}
-        for node in self.expressions:
-            span = node["provenance"]["span"]
-            nodes.setdefault((span["source"], span["start"], span["end"]), []).append(node)
-        return nodes
+        spans = ((node["provenance"]["span"], node) for node in self.expressions)
+        return gather(((span["source"], span["start"], span["end"]), node) for span, node in spans)
 
 
 def read(

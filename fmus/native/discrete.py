@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import InputError
+from railgrip.base.groups import gather
 from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.fmus.native.c_source import string_literal, table
@@ -271,10 +272,7 @@ def _struct(name: str, variables: Sequence[Variable]) -> str:
 def _fields(variables: Sequence[Variable]) -> Iterator[str]:
     if not variables:
         yield "    double none; /* C has no empty structs */"
-    arrays: dict[str, list[Variable]] = {}
-    for variable in variables:
-        arrays.setdefault(ElementName.of(variable.name).array, []).append(variable)
-    for name, elements in arrays.items():
+    for name, elements in gather((ElementName.of(each.name).array, each) for each in variables).items():
         first = elements[0]
         size = f"[{len(elements)}]" if first.name.endswith("]") else ""
         yield f"    double {c_identifier(name)}{size}; /* {first.unit or '1'}: {first.description} */"

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import islice, pairwise
 from typing import Any
 
+from railgrip.base.groups import gather
 from railgrip.fmus.native.classes import (
     SIMPLE,
     Class,
@@ -587,11 +588,8 @@ def confused_calls(tree: Tree, calls: Iterable[Call]) -> Iterator[str]:
 
 def _computed_constants(tree: Tree) -> Iterator[str]:
     # rumoca computes constants by the last two parts of their names.
-    found: dict[tuple[str, str], list[Node]] = {}
-    for class_ in tree.every:
-        if class_.kind == "package" and "." in class_.name:
-            for name, node in class_.components.items():
-                found.setdefault((class_.short_name, name), []).append(node)
+    packages = (class_ for class_ in tree.every if class_.kind == "package" and "." in class_.name)
+    found = gather(((each.short_name, name), node) for each in packages for name, node in each.components.items())
     for (package, name), nodes in found.items():
         computed = any(kind in str(node["binding"]) for node in nodes for kind in ("Reference", "FunctionCall"))
         uses = re.compile(rf"\b{package}\s*\.\s*{name}\b")

@@ -15,6 +15,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching, min_weight_full_bipartite_matching
 
 from railgrip.base.errors import TranslationError
+from railgrip.base.groups import gather
 from railgrip.fmus.native.arrays import SX, is_number
 
 LARGEST_LOOP = 24
@@ -154,9 +155,7 @@ def _matching(
 def _dependencies(row: np.ndarray, column: np.ndarray, match: np.ndarray, target_columns: Sequence[int]) -> set[int]:
     # A block is solved as a whole, so a value that depends on one of its rows depends on all of them.
     equation_of = {j: i for i, j in enumerate(match.tolist())}
-    uses: dict[int, list[int]] = {}
-    for i, j in zip(row.tolist(), column.tolist(), strict=True):
-        uses.setdefault(i, []).append(equation_of[j])
+    uses = gather((i, equation_of[j]) for i, j in zip(row.tolist(), column.tolist(), strict=True))
     rows: set[int] = set()
     stack = [equation_of[j] for j in target_columns]
     while stack:
@@ -177,9 +176,7 @@ def _blocks(row: np.ndarray, column: np.ndarray, match: np.ndarray) -> list[list
     for i, j in zip(label[row].tolist(), label[equation_of[column]].tolist(), strict=True):
         if i != j:
             before[i].add(j)
-    members: dict[int, list[int]] = {}
-    for i, k in enumerate(label.tolist()):
-        members.setdefault(k, []).append(i)
+    members = gather((k, i) for i, k in enumerate(label.tolist()))
     return [members[k] for k in TopologicalSorter(before).static_order()]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import xarray
 
 from railgrip.base.errors import EstimationError
+from railgrip.base.groups import gather
 from railgrip.base.names import ElementName
 from railgrip.estimation.judgement import Judgement
 from railgrip.estimation.models import units_of
@@ -169,9 +170,7 @@ def estimate_page(
 
 def parameters_table(parameters: Sequence[ModelParameter], title: str = "") -> ReportTable:
     """Return parameters with value, unit and origin; elements of an array with the same origin are in one row."""
-    rows: dict[tuple[str, str], list[ModelParameter]] = {}
-    for each in parameters:
-        rows.setdefault((ElementName.of(each.name).array, each.origin), []).append(each)
+    rows = gather(((ElementName.of(each.name).array, each.origin), each) for each in parameters)
     table = [
         {
             "parameter": name if len(elements) > 1 else elements[0].name,
@@ -192,8 +191,7 @@ def errors_table(judgements: Mapping[str, Judgement], title: str) -> ReportTable
         "largest": ("largest", "{:.4g}"), "NEES": ("nees", "{:.3g}"), "within 2 sd": ("coverage", share),
     }  # fmt: skip
     rows = [
-        {"state": state} | {column: getattr(judgement, figure) for column, (figure, _) in columns.items()}
+        (state, *(getattr(judgement, figure) for figure, _ in columns.values()))
         for state, judgement in judgements.items()
     ]
-    forms = {column: form for column, (_, form) in columns.items()}
-    return ReportTable(rows, forms, title=title)
+    return ReportTable.of({"state": "", **{column: form for column, (_, form) in columns.items()}}, rows, title=title)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from railgrip.base.arrays import Mask, Vector
+from railgrip.base.groups import gather
 from railgrip.base.names import ElementName
 
 Kind = Literal["gap", "bridged", "frozen", "spike", "range", "zero", "time", "timing", "jump", "step"]
@@ -84,11 +85,8 @@ def flag_of(signal: str, kind: Kind, time: NDArray[np.float64], first: int, last
 
 def summary(flags: Sequence[Flag]) -> list[str]:
     """Return sentences for people: each flag of a signal and kind, or the first few and how many there are."""
-    groups: dict[tuple[str, Kind], list[Flag]] = {}
-    for flag in flags:
-        groups.setdefault((flag.signal, flag.kind), []).append(flag)
     sentences: list[str] = []
-    for (signal, kind), flags_here in groups.items():
+    for (signal, kind), flags_here in gather(((flag.signal, flag.kind), flag) for flag in flags).items():
         sentences += [str(flag) for flag in flags_here[:_MOST]]
         if len(flags_here) > _MOST:
             # A gap has no samples, it has a length.

@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, NullLocator
 from numpy.typing import NDArray
 
+from railgrip.base.groups import gather
 from railgrip.report import palette, style
 from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.figures import draw_adhesion, draw_wheelsets
@@ -199,14 +200,12 @@ def _bars_figure(frame: Frame, colours: Mapping[str, str]) -> Figure:
     lines: list[tuple[str, list[str], dict[str, Frame]]] = []
     for (actuation, sensors, polach), of_setting in settings:
         title = f"actuation {actuation}, sensors {sensors},\ncreep curve {polach}\n" if len(settings) > 1 else ""
-        alike: dict[frozenset[str], dict[str, Frame]] = {}
-        for (label,), stops in groups_of(of_setting, ("label",)):
-            alike.setdefault(frozenset(stops["controller_label"]), {})[label] = stops
+        by_label = groups_of(of_setting, ("label",))
+        alike = gather((frozenset(stops["controller_label"]), (label, stops)) for (label,), stops in by_label)
         for controllers, of_line in alike.items():
             order = [name for name in colours if name in controllers]
-            labels = list(of_line)
-            for first in range(0, len(labels), _COLUMNS):
-                lines.append((title, order, {label: of_line[label] for label in labels[first : first + _COLUMNS]}))
+            for first in range(0, len(of_line), _COLUMNS):
+                lines.append((title, order, dict(of_line[first : first + _COLUMNS])))
     columns = max(len(cases) for _, _, cases in lines)
     heights = [max(_LEAST, _BAR * len(order)) for _, order, _ in lines]
     heading = 0.45 if len(settings) == 1 else 0.8

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
+from railgrip.base.groups import gather
 from railgrip.base.names import ElementName
 from railgrip.recording.samples import knows, reading_of, truth_of, unit_of
 from railgrip.report import palette, style
@@ -270,10 +271,7 @@ def estimates_figure(recording: xarray.Dataset, estimates: xarray.Dataset, input
 
 
 def _families(names: Sequence[str]) -> Mapping[str, list[str]]:
-    families: dict[str, list[str]] = {}
-    for name in names:
-        families.setdefault(ElementName.of(name).array, []).append(name)
-    return families
+    return gather((ElementName.of(name).array, name) for name in names)
 
 
 def _with_colours(names: Sequence[str]) -> list[tuple[str, str]]:

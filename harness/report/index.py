@@ -10,6 +10,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from railgrip.base.errors import InputError, RecordError
+from railgrip.base.groups import gather
 from railgrip.base.records import claim
 from railgrip.report import style
 from railgrip.report.baseline import baseline_deviations
@@ -298,12 +299,8 @@ def _legend(frame: Frame) -> list[str]:
 
 
 def _scenarios(stops: Sequence[Stop]) -> ReportTable:
-    of_name: dict[str, list[Stop]] = {}
-    for stop in stops:
-        of_name.setdefault(stop.inputs["name"], []).append(stop)
     rows = []
-    for name, stops_of_name in of_name.items():
-        scenarios = [stop.inputs for stop in stops_of_name]
+    for name, scenarios in gather((stop.inputs["name"], stop.inputs) for stop in stops).items():
         seeds = sorted({scenario["seed"] for scenario in scenarios})
         speeds = sorted({scenario["start"]["speed"] for scenario in scenarios})
         rows.append(
@@ -313,7 +310,7 @@ def _scenarios(stops: Sequence[Stop]) -> ReportTable:
                 "train": ", ".join(sorted({_train_of(scenario["vehicle"]) for scenario in scenarios})),
                 "start speed": ", ".join(f"{3.6 * speed:.4g} km/h" for speed in speeds),
                 "seeds": str(seeds[0]) if len(seeds) == 1 else f"{seeds[0]} to {seeds[-1]}, {len(seeds)} of them",
-                "stops": len(stops_of_name),
+                "stops": len(scenarios),
             }
         )
     return ReportTable(rows, left=("scenario", "description", "train", "start speed", "seeds"))

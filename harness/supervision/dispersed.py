@@ -8,6 +8,7 @@ from typing import Any, cast, get_args
 
 import numpy as np
 
+from railgrip.base.groups import gather
 from railgrip.estimators.belief import Array
 from railgrip.rolling_stock.brakes import SHAPE, BlockLaw
 from railgrip.rolling_stock.dispersion import EXTENTS, Dispersion, Quantity
@@ -153,10 +154,10 @@ class TrainBrake(DispersedBrake):
         Raises:
             InputError: The train does not stop within ten minutes.
         """
-        kinds: dict[object, list[list[int]]] = {}
-        for axles in _units_of_valves(train):
-            bogies = sorted(train.bogies_in_train[train.axles[axle].bogie].kind for axle in axles)
-            kinds.setdefault(tuple(bogies), []).append(axles)
+        kinds = gather(
+            (tuple(sorted(train.bogies_in_train[train.axles[axle].bogie].kind for axle in axles)), axles)
+            for axles in _units_of_valves(train)
+        )
         acting = [one for one in dispersion if one.quantity != "dynamic_brake" or train.dynamic_groups]
         super().__init__([tuple(map(len, valves)) for valves in kinds.values()], acting, speeds)
         axles = np.array([axle for valves in kinds.values() for units in valves for axle in units])

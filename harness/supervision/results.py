@@ -10,6 +10,7 @@ import numpy as np
 
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import InputError
+from railgrip.base.groups import gather
 from railgrip.report import palette, style
 from railgrip.report.table import ReportTable
 from railgrip.supervision import fixed
@@ -110,14 +111,14 @@ class BrakingCurves:
     def table(self) -> ReportTable:
         """Distance of each limit to its target at some speeds."""
         steps = np.arange(1, self.case.ceiling / _TABLE_STEP) * _TABLE_STEP
-        rows: list[dict[str, object]] = []
+        rows: list[tuple[str | float | None, ...]] = []
         for target in self.case.line.target:
             for speed in (*steps[(steps > target.speed) & (steps < self.case.ceiling - 1)], self.case.ceiling):
                 at: Limits = limits_of(self.case, target, float(speed))
-                distance = {name: target.at - float(at[name]) if name in at else None for name in LIMITS}
-                rows.append({"target": target.name, "from": 3.6 * float(speed), **distance})
-        forms = {"from": "{:.0f} km/h", **dict.fromkeys(LIMITS, "{:.1f} m")}
-        return ReportTable(rows, forms, ("target",)).drop_empty_columns()
+                distances = (target.at - float(at[name]) if name in at else None for name in LIMITS)
+                rows.append((target.name, 3.6 * float(speed), *distances))
+        forms = {"target": "", "from": "{:.0f} km/h", **dict.fromkeys(LIMITS, "{:.1f} m")}
+        return ReportTable.of(forms, rows).drop_empty_columns()
 
     @cached_property
     def decelerations(self) -> ReportTable:
@@ -133,14 +134,13 @@ class BrakingCurves:
         }
         starts = np.unique(np.concatenate([part.starts for part in parts.values() if part is not None]))
         rows = [
-            {"above": 3.6 * start}
-            | {name: None if part is None else float(part.after(start)) for name, part in parts.items()}
+            (3.6 * start, *(None if part is None else float(part.after(start)) for part in parts.values()))
             for start in starts.tolist()
         ]
         forms = {"above": "{:.0f} km/h", **dict.fromkeys(parts, "{:.3f}")}
         for name in ("A_brake_emergency", "A_brake_safe", "A_brake_service"):
             forms[name] = "{:.3f} m/s²"
-        return ReportTable(rows, forms, ()).drop_empty_columns()
+        return ReportTable.of(forms, rows, left=0).drop_empty_columns()
 
     @cached_property
     def stops(self) -> tuple[StopOnCurves, ...]:
@@ -234,10 +234,7 @@ class BrakingCurves:
                 label=None if label in seen else label,
             )
             seen.add(label)
-        names: dict[tuple[float, float], list[str]] = {}
-        for target in self.case.line.target:
-            names.setdefault((target.at, 3.6 * target.speed), []).append(target.kind)
-        for place, kinds in names.items():
+        for place, kinds in gather(((each.at, 3.6 * each.speed), each.kind) for each in self.case.line.target).items():
             upper.plot(*place, "v", color=palette.BLACK, ms=6, clip_on=False)
             upper.annotate(", ".join(kinds), place, (4, 6), textcoords="offset points", fontsize=8)
         if self.release is not None:
