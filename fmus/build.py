@@ -8,12 +8,13 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from railgrip.base import cache
 from railgrip.base.errors import CompilerMissing, InputError, RailgripError
 from railgrip.base.files import scratch, write_bytes
 from railgrip.base.programs import find_program
+from railgrip.base.tables import JsonObject
 from railgrip.fmus import openmodelica
 from railgrip.fmus.native import separate_process, toolchain
 from railgrip.fmus.native.library import (
@@ -56,7 +57,7 @@ class Artifact:
     path: Path
     compiler: str
     action: Action
-    interface: dict[str, Any]
+    interface: JsonObject
 
 
 def fmu(name: str, compiler: Compiler = "auto") -> Path:
@@ -132,9 +133,7 @@ def _up_to_date(order: "_BuildOrder") -> Artifact:
         return _current(order, inputs) or _compile(order, inputs, _translation_of(order))
 
 
-def translate(
-    recipe: Recipe, library: Path | None = None, others: Sequence[Path] = ()
-) -> tuple["Source", dict[str, Any]]:
+def translate(recipe: Recipe, library: Path | None = None, others: Sequence[Path] = ()) -> tuple["Source", JsonObject]:
     """Return C code and XML of a recipe's FMU from the built-in compiler, and its interface for lock.toml."""
     # CasADi, rumoca and scipy take half a second to import; when everything is up to date they are not needed.
     from railgrip.fmus.native import package
@@ -231,12 +230,12 @@ class _BuildOrder:
     def entry(self, source: str) -> Path | None:
         return cache.find(KIND, source, f"{self.name}.fmu")
 
-    def artifact(self, action: Action, entry: Path, interface: dict[str, Any]) -> Artifact:
+    def artifact(self, action: Action, entry: Path, interface: JsonObject) -> Artifact:
         path = entry if self.directory is None else _copy(entry, self.directory)
         return Artifact(name=self.name, path=path, compiler=self.compiler, action=action, interface=interface)
 
 
-_Translation = tuple["Source", dict[str, Any]]
+_Translation = tuple["Source", JsonObject]
 
 
 def _current(order: _BuildOrder, inputs: str) -> Artifact | None:
@@ -263,8 +262,8 @@ def _translation_of(order: _BuildOrder) -> _Translation | None:
 
 
 def translate_here(
-    class_name: str, library: Path, recipe: dict[str, Any], others: Sequence[str] = ()
-) -> tuple[dict[str, Any], dict[str, Any]]:
+    class_name: str, library: Path, recipe: JsonObject, others: Sequence[str] = ()
+) -> tuple[JsonObject, JsonObject]:
     """Return the result of `translate` for a recipe as JSON values, for `separate_process`."""
     source, interface = translate(Recipe.model_validate(recipe), library, [Path(one) for one in others])
     return asdict(source) | {"units": list(source.units)}, interface
@@ -275,7 +274,7 @@ def _compile(order: _BuildOrder, inputs: str, translation: _Translation | None) 
     # runs only when that digest changes.
     action, file = "built", f"{order.name}.fmu"
     if translation is None:
-        kept_under, interface = inputs, dict[str, Any]()
+        kept_under, interface = inputs, JsonObject()
         with scratch("build") as folder:
             # A message names this file, so it must remain after the build: next to the copy, or in the cache.
             log = (order.directory or cache.folder() / KIND / inputs / "log") / f"{order.name}.log"

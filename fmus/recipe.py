@@ -9,12 +9,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from railgrip.base.errors import InputError
 from railgrip.base.names import did_you_mean
+from railgrip.base.tables import JsonObject
 from railgrip.fmus.native.library import MODELICA
 
 if TYPE_CHECKING:
@@ -112,7 +113,7 @@ def read_recipes(file: Path = RECIPES) -> Cookbook:
 
 LOCK = Path(__file__).with_name("lock.toml")
 
-Entry = dict[str, Any]
+Entry = JsonObject
 
 
 def interface_of(recipe: Recipe, system: "System", digest: str) -> Entry:

@@ -23,6 +23,7 @@ from railgrip.base.errors import (
     SensorsFailed,
 )
 from railgrip.base.files import path_of
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import cut, place, short
 from railgrip.controllers.observation import Observation
 from railgrip.scenario import schema
@@ -506,9 +507,9 @@ def _folders(folders: Any) -> tuple[Path, ...]:
     return tuple(paths)
 
 
-def _split(values: Mapping[str, Any], handed_over: Collection[str]) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-    rest: dict[str, Any] = {}
-    parameters: dict[str, dict[str, Any]] = {}
+def _split(values: Mapping[str, Any], handed_over: Collection[str]) -> tuple[TomlTable, dict[str, TomlTable]]:
+    rest: TomlTable = {}
+    parameters: dict[str, TomlTable] = {}
     tables = {_TABLES[name]: name for name in handed_over}
     for key, value in values.items():
         table, *path = parts_of(key)
@@ -551,7 +552,7 @@ def _is_over_time(recording: Any) -> bool:
     return isinstance(recording, xarray.Dataset) and "time" in recording.indexes
 
 
-def _changes(changes: Any) -> dict[str, Any]:
+def _changes(changes: Any) -> TomlTable:
     if changes is None:
         return {}
     if not isinstance(changes, Mapping):

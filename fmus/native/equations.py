@@ -7,11 +7,12 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from railgrip.base import cache
 from railgrip.base.errors import TranslationError
 from railgrip.base.system import Variable
+from railgrip.base.tables import JsonObject
 from railgrip.fmus.native import separate_process
 from railgrip.fmus.native.library import (
     LIBRARY,
@@ -58,7 +59,7 @@ class Model:
         """Return the model that `to_bytes` wrote."""
         import casadi as ca
 
-        fields: dict[str, Any] = json.loads(content)
+        fields: JsonObject = json.loads(content)
         fields.update({group: tuple(Variable(**v) for v in fields[group]) for group in GROUPS})
         fields.update({name: ca.Function.deserialize(fields[name]) for name in FUNCTIONS})
         return cls(**fields)

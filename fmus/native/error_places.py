@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import rumoca
 
 from railgrip.base.errors import InputError
 from railgrip.base.files import read_bytes
+from railgrip.base.tables import TomlTable
 from railgrip.fmus.native.classes import KINDS, blank, without_texts
 from railgrip.fmus.native.library import BYTE_ORDER_MARK, library_of, modelica_files, read_utf_8
 
@@ -20,7 +20,7 @@ _MAXIMUM_PLACES = 3
 
 
 @cache
-def _messages(kind: str) -> list[dict[str, Any]]:
+def _messages(kind: str) -> list[TomlTable]:
     # A table of messages.toml, which describes its keys.
     return tomllib.loads(Path(__file__).with_name("messages.toml").read_text(encoding="utf-8"))[kind]
 

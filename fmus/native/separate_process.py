@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from railgrip.base.errors import InputError, TranslationError
+from railgrip.base.tables import JsonObject
 
 _TASKS: Final = {"translate": "railgrip.fmus.build", "lower": "railgrip.fmus.native.equations"}
 """Task → module whose function TASK_here the process calls; arguments and result are JSON."""
@@ -87,7 +88,7 @@ def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
     return result_of(answer, task, class_name, library, arguments.get("others", ()))
 
 
-def result_of(answer: dict[str, Any], task: str, class_name: str, library: Path, others: Sequence[str] = ()) -> Any:
+def result_of(answer: JsonObject, task: str, class_name: str, library: Path, others: Sequence[str] = ()) -> Any:
     """Return the result in an answer of the process; arguments are those of `call`.
 
     Raises:
@@ -105,7 +106,7 @@ def result_of(answer: dict[str, Any], task: str, class_name: str, library: Path,
     raise TranslationError(answer["refusal"] + way_out)
 
 
-def _refuse(sentence: str) -> dict[str, Any]:
+def _refuse(sentence: str) -> JsonObject:
     return {"kind": "TranslationError", "refusal": sentence}
 
 
@@ -134,7 +135,7 @@ def main() -> None:
     os._exit(0)  # without freeing millions of objects one by one
 
 
-def _answer(task: str, class_name: str, library: Path, arguments: dict[str, Any]) -> dict[str, Any]:
+def _answer(task: str, class_name: str, library: Path, arguments: JsonObject) -> JsonObject:
     function: Callable[..., Any] = getattr(import_module(_TASKS[task]), f"{task}_here")
     try:
         return {"result": function(class_name, library, **arguments)}

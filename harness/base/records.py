@@ -15,6 +15,7 @@ from pydantic import ValidationError
 
 from railgrip.base.errors import InputError, RecordError, for_user
 from railgrip.base.files import read_bytes, remove, write_json
+from railgrip.base.tables import JsonObject
 
 LARGEST_JSON: Final = 64 << 20
 """Bytes; the description of a campaign of 100,000 stops has half of that."""
@@ -60,7 +61,7 @@ def read_bounded(folder: Path, name: str, largest: int) -> bytes:
         raise RecordError(str(problem)) from problem
 
 
-def read_json(folder: Path, name: str) -> dict[str, Any]:
+def read_json(folder: Path, name: str) -> JsonObject:
     """Return the table in a JSON file below a folder; see `read_json_value`.
 
     Raises:
@@ -70,7 +71,7 @@ def read_json(folder: Path, name: str) -> dict[str, Any]:
     table = read_json_value(folder, name)
     if not isinstance(table, dict):
         raise RecordError(f"{folder / name}: a table in JSON is expected, found {type(table).__name__}")
-    return cast("dict[str, Any]", table)
+    return cast("JsonObject", table)
 
 
 def read_json_value(folder: Path, name: str) -> Any:
@@ -83,7 +84,7 @@ def read_json_value(folder: Path, name: str) -> Any:
     return parse_json(folder / name, read_bounded(folder, name, LARGEST_JSON))
 
 
-def parse_json(path: Path, content: bytes) -> dict[str, Any]:
+def parse_json(path: Path, content: bytes) -> JsonObject:
     """Return the table in the content of a JSON file.
 
     Raises:
@@ -114,7 +115,7 @@ def _require_plain(value: Any, levels: int) -> None:
         case dict() | list() if not levels:
             raise RecursionError
         case dict():
-            for key, element in cast("dict[str, Any]", value).items():
+            for key, element in cast("JsonObject", value).items():
                 key.encode()
                 _require_plain(element, levels - 1)
         case list():

@@ -21,6 +21,7 @@ from scipy.stats.qmc import Sobol
 
 from railgrip.base import registry
 from railgrip.base.arrays import Vector
+from railgrip.base.tables import TomlTable
 from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.law import Ranges as LawRanges
 from railgrip.controllers.parameters import SEARCHED, TYPE_TEST, SlipSource, file_of, tuned_values
@@ -248,7 +249,7 @@ def text_of(law: str, results: Mapping[tuple[str, SlipSource], Optimum], command
 
 
 def _under(law: str, slip: str, scenario: Scenario) -> Scenario:
-    change: dict[str, Any] = {"controller": {"kind": law}} | ({"estimator": {"kind": "none"}} if slip == "read" else {})
+    change: TomlTable = {"controller": {"kind": law}} | ({"estimator": {"kind": "none"}} if slip == "read" else {})
     return scenario.revised(change)
 
 

@@ -13,6 +13,7 @@ import xarray
 from railgrip.base.errors import EstimationError, InputError
 from railgrip.base.files import write_bytes, write_text
 from railgrip.base.records import adopt, claim, require_free
+from railgrip.base.tables import JsonObject
 from railgrip.cli.app import AsJson, ImportFrom, Overrides, complete, fail, print_json
 from railgrip.cli.library import write_schema
 from railgrip.estimation.inspection import inspect_recording
@@ -276,11 +277,11 @@ def _show_parameters(specification: Specification, parameters: Sequence[ModelPar
         )
 
 
-def _as_json(parameter: ModelParameter) -> dict[str, Any]:
+def _as_json(parameter: ModelParameter) -> JsonObject:
     return asdict(parameter) | {"is_default": parameter.is_default}
 
 
-def _last_estimates(specification: Specification, estimates: xarray.Dataset) -> list[dict[str, Any]]:
+def _last_estimates(specification: Specification, estimates: xarray.Dataset) -> list[JsonObject]:
     units = units_of(specification.model.prediction.model)
     mean, sd = (estimates[name].values[-1] for name in ("mean", "sd"))
     names = [str(state) for state in estimates["state"].values]

@@ -4,13 +4,14 @@ import json
 import re
 import shlex
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import typer
 
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_text
 from railgrip.base.registry import SECTIONS, Kind, meanings
+from railgrip.base.tables import JsonObject
 from railgrip.cli.app import BASELINES, AsJson, print_json
 from railgrip.report.console import remark, say, show_table
 from railgrip.report.table import ReportTable
@@ -52,7 +53,7 @@ def text_of_schema(kind: FileKind) -> str:
     return json.dumps(schemas[kind](), indent=1, ensure_ascii=False)
 
 
-def _estimation_schema() -> dict[str, Any]:
+def _estimation_schema() -> JsonObject:
     from railgrip.estimation.spec import Specification  # loads xarray, which takes as long as all other imports
 
     schema = extending_schema(Specification, "estimation")

@@ -45,6 +45,7 @@ from pydantic import Field, PrivateAttr, StrictBool, model_validator
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.names import ElementName, did_you_mean, state_name
+from railgrip.base.tables import TomlTable
 from railgrip.estimation.judgement import check_estimates, check_signals
 from railgrip.estimation.models import DEFAULT, READ_STATES, Kind, PredictionModel, of_class, of_train, units_of
 from railgrip.estimation.run import Settings, estimate, estimate_several
@@ -293,7 +294,7 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
     return specification
 
 
-def _with_state_names(tables: Mapping[str, Any], origin: str, older: list[str]) -> dict[str, Any]:
+def _with_state_names(tables: Mapping[str, Any], origin: str, older: list[str]) -> TomlTable:
     """Return the tables of a file or of options with names of states in place of symbols such as `mu_b`.
 
     Sentences on symbols are added to `older`.
@@ -362,7 +363,7 @@ def _tables_in(path: Path, chain: Sequence[Path], older: list[str]) -> Tables:
     return replace(below, table={"name": path.stem} | inherited).overlay(path.name, tables.table)
 
 
-def _noise_elsewhere(path: Path, noise: dict[str, Any]) -> object:
+def _noise_elsewhere(path: Path, noise: TomlTable) -> object:
     if set(noise) != {"file"} or not isinstance(noise["file"], str):
         raise EstimationError(f"{path.name}: [noise] file replaces the whole table; remove the other keys.")
     other = path.parent / noise["file"]

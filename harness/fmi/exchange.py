@@ -13,7 +13,7 @@ from importlib.resources import files
 from math import nan
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import Any, ClassVar, Final, Literal, Self
+from typing import ClassVar, Final, Literal, Self
 from weakref import finalize
 
 import numpy as np
@@ -240,7 +240,7 @@ class FmuPrediction:
         """References of the variables whose Jacobian by the states is requested, and its pattern."""
         return references_of(self._description.variables[name] for name in self._derivatives), self._slope_pattern
 
-    def _fields(self, instance: Instance) -> dict[str, Any]:
+    def _fields(self, instance: Instance) -> dict[str, object]:
         """Return the fields of `Prediction` that depend on the interface."""
         theirs = {name: place for place, name in enumerate(self._description.states)}
         return {

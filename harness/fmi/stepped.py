@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import Any, ClassVar, Final
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,7 +144,7 @@ class SteppedFmuPrediction(FmuPrediction):
             + " Export it as Model Exchange."
         )
 
-    def _fields(self, instance: Instance) -> dict[str, Any]:
+    def _fields(self, instance: Instance) -> dict[str, object]:
         n, library = len(self.states), kernel_library(*KERNEL)
         self._slopes = np.zeros(sum(map(len, self._slope_pattern)) + 1)
         exact = self.has_directional_derivatives

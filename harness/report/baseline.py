@@ -37,13 +37,14 @@ from dataclasses import asdict, dataclass, field, replace
 from fnmatch import fnmatch
 from itertools import takewhile
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, StrictInt, TypeAdapter, ValidationError, model_validator
 
 from railgrip.base.errors import RecordError, ScenarioError
 from railgrip.base.files import read_text, write_json, write_text
 from railgrip.base.records import claim, read_json_value, words_of
+from railgrip.base.tables import JsonObject
 from railgrip.report import table
 from railgrip.report.frame import frame_of, plain_rows
 from railgrip.report.results import Results, from_elsewhere
@@ -272,7 +273,7 @@ class BaselineComparison:
         moved = f"{self.name}: {accepted} → {found}{change}; permitted is {lowest} to {highest}"
         return "; ".join([moved, *self.moved_figures])
 
-    def to_plain(self) -> dict[str, Any]:
+    def to_plain(self) -> JsonObject:
         """Return the comparison as JSON values."""
         limits = (None,) * 3 if self.accepted is None else (self.accepted.value, *self.accepted.limits)
         names = ("name", "state", "value", "change", "unit", "sentence")

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, field, replace
 from pathlib import Path
@@ -13,6 +14,7 @@ import pandas
 from railgrip.base.errors import RecordError
 from railgrip.base.files import path_of
 from railgrip.base.names import ElementName
+from railgrip.base.tables import JsonObject
 from railgrip.base.units import cut, short
 from railgrip.report.frame import Frame
 from railgrip.report.page import Page
@@ -90,7 +92,7 @@ class Comparison:
         rows = zip(self.letters, self.names, self.headlines, strict=True)
         return ReportTable.of(("", "result", "outcome"), rows, left=3)
 
-    def to_plain(self) -> dict[str, Any]:
+    def to_plain(self) -> JsonObject:
         """Return everything as JSON values."""
         return {
             "results": dict(zip(self.letters, self.names, strict=True)),
@@ -184,9 +186,9 @@ def compare(*results: Comparable) -> Comparison:
     return _compare_stops(names, dict(zip(ascii_uppercase, stops, strict=False)))
 
 
-def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
+def flat(table: Mapping[str, Any], path: str = "") -> dict[str, object]:
     """Return the values of nested tables by dotted keys; elements of a list of tables are counted from 1."""
-    keys: dict[str, Any] = {}
+    keys: dict[str, object] = {}
     for name, value in table.items():
         if isinstance(value, Mapping):
             keys |= flat(value, f"{path}{name}.")
@@ -198,7 +200,7 @@ def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
     return keys
 
 
-def question_of(stop: Stop) -> dict[str, Any]:
+def question_of(stop: Stop) -> dict[str, object]:
     """Return all inputs of a stop by key: scenario, versions, FMUs and classes."""
     return flat(stop.inputs) | flat({"versions": stop.versions, "fmus": stop.fmus, "classes": stop.classes})
 
@@ -468,11 +470,12 @@ def _change_sentences(distances: Frame, pairs: Mapping[str, Stops]) -> list[str]
 
 def _common_question(pairs: Mapping[str, Stops]) -> ReportTable:
     """Return the keys that differ in some of the stops, with their number, and the values that all of these share."""
-    rows: dict[str, dict[str, Any]] = {}
+    rows, counts = dict[str, dict[str, str]](), Counter[str]()
     letters = next(iter(pairs.values())).keys()
     for pair in pairs.values():
         for row in _question({letter: question_of(stop) for letter, stop in pair.items()}).rows:
-            known = rows.setdefault(row["key"], dict(row) | {"stops": 0})
+            known = rows.setdefault(row["key"], dict(row))
             known |= {letter: _SEVERAL for letter in letters if known[letter] != row[letter]}
-            known["stops"] += 1
-    return ReportTable(list(rows.values()), left=("key", *letters, "unit"), title="Differences of the scenarios")
+            counts[row["key"]] += 1
+    found = [row | {"stops": counts[key]} for key, row in rows.items()]
+    return ReportTable(found, left=("key", *letters, "unit"), title="Differences of the scenarios")

@@ -12,6 +12,7 @@ import numpy as np
 import pandas
 
 from railgrip.base.errors import InputError
+from railgrip.base.tables import JsonObject
 from railgrip.report.frame import CONDITIONS, IN_TABLES, PLACE, Frame, groups_of
 from railgrip.report.limits import SUBJECTS
 from railgrip.report.statistics import (
@@ -67,10 +68,10 @@ def distributions_of(frame: Frame) -> Frame:
     drawn = pandas.concat([drawn.head(0), *places]).sort_index()
     groups = [of for _, of in groups_of(drawn, (*PLACE, "controller_label", "estimator"))]
     references = {(*(of[name].iloc[0] for name in PLACE), of["reference"].iloc[0]): of for of in groups}
-    return pandas.DataFrame([_distribution(of, references) for of in groups])
+    return pandas.DataFrame([_distribution(of, references) for of in groups], columns=list(_COLUMNS))
 
 
-def plain_distributions(distributions: Frame) -> list[dict[str, Any]]:
+def plain_distributions(distributions: Frame) -> list[JsonObject]:
     """Return the rows as JSON values."""
     shown = distributions.drop(columns="label", errors="ignore").rename(
         columns={name: f"{name}_m" for name in ("distances", "median", "low", "high", "worst")}
@@ -121,6 +122,11 @@ def _question(one: Any) -> dict[str, str]:
 _OVER_DRAWS: Final = {name: figure for name, figure in IN_TABLES.items() if figure.over_draws}
 """Figures with a median over draws."""
 
+_COLUMNS: Final = (
+    "label", *CONDITIONS, "draws", "stood", "distances", "median", "low", "high", "worst", "worst_draw", *_OVER_DRAWS,
+    "vs_sbc", "vs_tuned",
+)  # fmt: skip
+
 QUANTILES = (0.5, 0.95, 0.99)
 """Quantiles of the distance in tables: the median, and distances that are rarely and hardly ever exceeded."""
 
@@ -130,10 +136,10 @@ def quantile_table(distributions: Frame, permitted: float | None) -> ReportTable
 
     Draws without standstill exceed every distance. An interval requires enough draws, that of P99 nearly 400.
     """
-    rows: list[dict[str, Any]] = []
+    rows: list[dict[str, str | int]] = []
     for one in distributions.itertuples():
         values = one.distances.tolist()
-        row: dict[str, Any] = {**_question(one), "draws": len(values)}
+        row: dict[str, str | int] = {**_question(one), "draws": len(values)}
         for level in QUANTILES:
             interval = order_interval(values, level)
             ends = "" if interval is None else f" [{_metres(interval[0], '')}, {_metres(interval[1], '')}]"
@@ -185,7 +191,7 @@ def _metres(distance: float, unit: str = " m") -> str:
     return f"{distance:.1f}{unit}" if math.isfinite(distance) else "no stop"
 
 
-def _distribution(of: Frame, references: Mapping[tuple[Any, ...], Frame]) -> dict[str, Any]:
+def _distribution(of: Frame, references: Mapping[tuple[Any, ...], Frame]) -> dict[str, object]:
     first, distances = of.iloc[0], by_draw(of)
     others = (references.get((*(first[name] for name in PLACE), kind)) for kind in ("published", "best tuned"))
     vs_sbc, vs_tuned = (None if other is None or other is of else compare_pairs(distances, other) for other in others)
@@ -335,7 +341,7 @@ def changes_against(reference: ReferenceVariant, stops: Sequence[Stop], frame: F
 
 def change_table(reference: ReferenceVariant, changes: Sequence[Change]) -> ReportTable:
     """Return a row for each variant and set of conditions."""
-    rows: list[dict[str, Any]] = [
+    rows = [
         {
             **change.conditions,
             reference.axis: change.variant,

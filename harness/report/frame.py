@@ -8,6 +8,8 @@ from typing import Any, Final, Self
 
 import pandas
 
+from railgrip.base.groups import gather
+from railgrip.base.tables import JsonObject
 from railgrip.report.limits import limits_of
 from railgrip.report.reference import controller_of, label, references, setting_of
 from railgrip.report.results import Results
@@ -145,7 +147,7 @@ def single_stops(frame: Frame) -> Frame:
     return frame[frame["draw"].isna()]
 
 
-def plain_rows(frame: Frame) -> list[dict[str, Any]]:
+def plain_rows(frame: Frame) -> list[JsonObject]:
     """Return the rows as JSON values; None for numbers that do not exist."""
     shown = frame.drop(columns=["label", "fitted", "stated_vs_sbc", "stated_vs_tuned"], errors="ignore")
     repeats = [one.ends and (one.median, *one.ends) for one in frame["stated"]]
@@ -156,7 +158,7 @@ def plain_rows(frame: Frame) -> list[dict[str, Any]]:
     return rows
 
 
-def plain(frame: Frame) -> list[dict[str, Any]]:
+def plain(frame: Frame) -> list[JsonObject]:
     """Return the rows of a frame; None for NaN and infinity."""
     return [
         {name: None if isinstance(value, float) and not isfinite(value) else value for name, value in row.items()}
@@ -187,7 +189,7 @@ def _axes(column: Iterable[str]) -> set[str]:
     return {part.partition(" ")[0] for part in column}
 
 
-def _record(stop: Stop, sbc: Stop | None, tuned: Stop | None, axes: Sequence[str]) -> dict[str, Any]:
+def _record(stop: Stop, sbc: Stop | None, tuned: Stop | None, axes: Sequence[str]) -> dict[str, object]:
     scenario, metrics, distance = stop.inputs, stop.figures, stop.braking_distance
     actuation, sensors, polach = setting_of(scenario)
     case = ", ".join(f"{axis} {stop.variants[axis]}" for axis in axes)
@@ -254,11 +256,8 @@ def _other_repeats(repeats: RepeatedDistances | None) -> str:
 
 def _hidden_axes(stops: Sequence[Stop]) -> tuple[str, ...]:
     """Return the axes along which stops differ although all columns are equal; draws have a separate column."""
-    alike: dict[tuple[str, ...], list[Stop]] = {}
-    for stop in stops:
-        scenario = stop.inputs
-        columns = (scenario["name"], *setting_of(scenario), label(scenario), _estimator(scenario))
-        alike.setdefault(columns, []).append(stop)
+    pairs = ((stop.inputs, stop) for stop in stops)
+    alike = gather(((of["name"], *setting_of(of), label(of), _estimator(of)), stop) for of, stop in pairs)
     axes = dict.fromkeys(axis for stop in stops for axis in stop.variants if axis != DRAW)
     return tuple(
         axis for axis in axes if any(len({stop.variants.get(axis) for stop in same}) > 1 for same in alike.values())

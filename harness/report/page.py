@@ -20,6 +20,7 @@ from railgrip.base.errors import InputError
 from railgrip.base.files import write_json, write_text
 from railgrip.base.programs import environment_of_programs, find_program
 from railgrip.base.records import claim, discard, recorded_files
+from railgrip.base.tables import JsonObject
 from railgrip.report.table import ReportTable, as_html, as_markdown
 
 if TYPE_CHECKING:
@@ -69,13 +70,13 @@ class Page:
     values: Mapping[str, Any] = field(default_factory=dict[str, Any])
     overview: ReportTable | None = None
     note: str = ""
-    figures: "Mapping[str, Figure]" = field(default_factory=dict[str, Any])
-    narrow: "Mapping[str, Figure]" = field(default_factory=dict[str, Any])
+    figures: "Mapping[str, Figure]" = field(default_factory=dict[str, "Figure"])
+    narrow: "Mapping[str, Figure]" = field(default_factory=dict[str, "Figure"])
     signals: Mapping[str, Any] | None = None
     provenance: Mapping[str, str] = field(default_factory=dict[str, str])
     tables: Mapping[str, ReportTable] = field(default_factory=dict[str, ReportTable])
-    data: Mapping[str, Any] = field(default_factory=dict[str, Any])
-    files: Mapping[str, Callable[[Path], object]] = field(default_factory=dict[str, Any])
+    data: JsonObject = field(default_factory=JsonObject)
+    files: Mapping[str, Callable[[Path], object]] = field(default_factory=dict[str, Callable[[Path], object]])
     screen: Sequence[ReportTable | str] = ()
     exit_code: int = 0
 

@@ -4,12 +4,13 @@ import base64
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import xarray
 from numpy.typing import ArrayLike, NDArray
 
+from railgrip.base.tables import JsonObject
 from railgrip.report.palette import BLACK, SHADES, of_groups
 from railgrip.trace.recorder import formation_in
 
@@ -112,7 +113,7 @@ def array(values: ArrayLike) -> dict[str, str]:
     return {"dtype": "f4", "bdata": base64.b64encode(numbers.tobytes()).decode()}
 
 
-def signals_plot(trace: xarray.Dataset, cars: Sequence[tuple[float, float]] = ()) -> dict[str, Any]:
+def signals_plot(trace: xarray.Dataset, cars: Sequence[tuple[float, float]] = ()) -> JsonObject:
     """Return the panels of `signal_panels` over time or distance, a line for each wheelset, for plotly.js.
 
     Wheelsets have the colour of their group. For a long train only each n-th sample is drawn; trace.nc has all.
@@ -134,7 +135,7 @@ def signals_plot(trace: xarray.Dataset, cars: Sequence[tuple[float, float]] = ()
     places = np.unique(np.append(np.arange(0, trace.sizes["time"], every), trace.sizes["time"] - 1))
     colours = [of_groups(trace.sizes["group"])[number] for number in group]
     named: set[str] = set()
-    data: list[dict[str, Any]] = []
+    data: list[JsonObject] = []
     for number, name, wheelset, dash, values in curves:
         data.append(
             {
@@ -175,9 +176,9 @@ def _curves(line: SignalLine, group: NDArray[np.intp]) -> Iterator[tuple[str, in
                 yield "±2σ", wheelset, "dot", values + half_width
 
 
-def _layout(panels: Sequence[SignalPanel]) -> dict[str, Any]:
+def _layout(panels: Sequence[SignalPanel]) -> JsonObject:
     axes = ["y", *(f"y{number}" for number in range(2, len(panels) + 1))]
-    layout: dict[str, Any] = {
+    layout: JsonObject = {
         "grid": {"rows": len(panels), "columns": 1, "subplots": [[f"x{axis}"] for axis in axes], "ygap": _GAP},
         "height": _ROW * len(panels) + 55,
         "margin": {"l": 70, "r": 10, "t": 20, "b": 50},
@@ -190,7 +191,7 @@ def _layout(panels: Sequence[SignalPanel]) -> dict[str, Any]:
         ],
     }
     for axis, panel in zip(axes, panels, strict=True):
-        scale: dict[str, Any] = {"rangemode": "tozero"} if panel.limits is None else {"range": panel.limits}
+        scale: JsonObject = {"rangemode": "tozero"} if panel.limits is None else {"range": panel.limits}
         if panel.log_ticks:
             scale = {"type": "log", "range": np.log10(scale["range"]).tolist(), "tickvals": panel.log_ticks}
         layout[axis.replace("y", "yaxis")] = {"title": {"text": panel.label}, **scale, **TICKS}
@@ -203,9 +204,9 @@ _OVERHANG = 1.0
 
 def _train(
     trace: xarray.Dataset, places: NDArray[np.intp], cars: Sequence[tuple[float, float]], colours: Sequence[str]
-) -> dict[str, Any]:
+) -> JsonObject:
     group, wheelsets = formation_in(trace).group_of_wheelset, trace.sizes["wheelset"]
-    signals: dict[str, Any] = {}
+    signals: JsonObject = {}
     for name, low, high, factor, unit in (("slip", 0.001, 1.0, 100, "%"), ("adhesion", 0.01, 0.2, 1, "")):
         if has_values(trace, name):
             each = trace[name].values[places]

@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Self, cast
 import xarray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, create_model
 
+from railgrip.base.arrays import Array
 from railgrip.base.errors import RecordError, UnitError, WriteFailed
 from railgrip.base.files import finite, path_of, write_json
 from railgrip.base.records import LARGEST_TRACE, claim, discard, read_bounded, read_json, require_free, words_of
+from railgrip.base.tables import JsonObject
 from railgrip.base.units import to_si
 from railgrip.report.reference import label
 from railgrip.report.table import ReportTable
@@ -61,7 +63,7 @@ def _table(base: type[Stored] = Stored, **keys: Any) -> Any:
     return create_model("StoredTable", __base__=base, **cast("Any", fields))
 
 
-def _ratios(parameters: dict[str, Any]) -> dict[str, Any]:
+def _ratios(parameters: JsonObject) -> JsonObject:
     """Check the slips of slip-based control, which its name in tables contains."""
     for name in ("low", "high"):
         value = parameters.get(name, 0.0)
@@ -85,8 +87,8 @@ _ADHESION = _table(
     calibrated=(dict[str, FiniteFloat], {}),
 )
 _CONSTANT = _table(_ADHESION, mu0=list[FiniteFloat])
-_CONTROLLER = _table(_KIND, tuning=(str, "paper"), parameters=(dict[str, Any], {}))
-_SLIP_CONTROLLER = _table(_CONTROLLER, parameters=(Annotated[dict[str, Any], AfterValidator(_ratios)], {}))
+_CONTROLLER = _table(_KIND, tuning=(str, "paper"), parameters=(JsonObject, {}))
+_SLIP_CONTROLLER = _table(_CONTROLLER, parameters=(Annotated[JsonObject, AfterValidator(_ratios)], {}))
 _SCENARIO = _table(
     name=Name,
     description=(str, ""),
@@ -103,7 +105,7 @@ _SCENARIO = _table(
 """The keys of a resolved scenario that reports use."""
 
 
-def _check_scenario(table: dict[str, Any]) -> None:
+def _check_scenario(table: JsonObject) -> None:
     """Check a resolved scenario, and its tables whose keys depend on their kind."""
     scenario = _SCENARIO.model_validate(table)
     if scenario.adhesion.kind == "constant":
@@ -117,12 +119,12 @@ class StoredStop(Stored):
 
     outcome: str
     reason: str
-    scenario: dict[str, Any]
+    scenario: JsonObject
     scenario_digest: Digest
-    metrics: dict[str, Any]
+    metrics: JsonObject
     versions: dict[str, str]
     fmus: dict[str, str]
-    classes: dict[str, dict[str, Any]] = {}
+    classes: dict[str, JsonObject] = {}
     dependencies: dict[str, str] = {}
     fmu_warnings: dict[str, dict[str, int]] = {}
     remarks: list[str] = []
@@ -363,7 +365,7 @@ class Stop:
         """
         import pandas
 
-        columns: dict[str, Any] = {}
+        columns: dict[str, Array] = {}
         units: dict[str, str] = {}
         for name, variable in self.trace.data_vars.items():
             if variable.dims[:1] != ("time",):

@@ -95,7 +95,7 @@ class ReportTable:
         rows: Iterable[Sequence[Any]],
         form: Form = "{}",
         *,
-        left: int = 1,
+        left: int | Collection[str] = 1,
         title: str = "",
     ) -> Self:
         """Return a table of rows as sequences.
@@ -104,12 +104,12 @@ class ReportTable:
             columns: Names of the columns; or column → form of its numbers.
             rows: Values in the order of the columns.
             form: Form of all numbers, if columns have none.
-            left: Number of the first columns that are texts.
+            left: Columns of texts, or their number if they are the first ones.
             title: Title on a screen.
         """
         forms = columns if isinstance(columns, Mapping) else dict.fromkeys(columns, form)
         records = [dict(zip(columns, row, strict=True)) for row in rows]
-        return cls(records, forms, list(columns)[:left], title)
+        return cls(records, forms, list(columns)[:left] if isinstance(left, int) else left, title)
 
     @classmethod
     def of_frame(

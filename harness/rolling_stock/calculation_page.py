@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import replacing
+from railgrip.base.tables import JsonObject
 from railgrip.report.page import Page
 from railgrip.report.style import Drawing, advance, panels
 from railgrip.report.table import ReportTable
@@ -162,7 +163,7 @@ def table_of_stops(stops: Sequence[MeanStop]) -> ReportTable:
     return table if rows[0]["without dynamic"] is not None else table.without({"dynamic", "without dynamic"})
 
 
-def plain_calculation(train: Train, stops: Sequence[MeanStop], drawn: Sequence[Scatter] = ()) -> dict[str, Any]:
+def plain_calculation(train: Train, stops: Sequence[MeanStop], drawn: Sequence[Scatter] = ()) -> JsonObject:
     """Return a calculation as plain values in SI units."""
     _, turning, _ = rotating_masses(train)
     times, rail_times = response_times(train)
@@ -298,7 +299,7 @@ def _sources(train: Train) -> Iterator[tuple[str, str]]:
         value = getattr(train, name)
         tables = {f"[{name}]": value}
         if isinstance(value, dict):
-            tables = {f"[{name}.{key}]": table for key, table in cast("dict[str, Any]", value).items()}
+            tables = {f"[{name}.{key}]": table for key, table in cast("dict[str, object]", value).items()}
         elif isinstance(value, tuple):
             tables = {f"[{name}[{number}]]": table for number, table in enumerate(cast("tuple[Any, ...]", value), 1)}
         for where, table in tables.items():

@@ -3,8 +3,9 @@
 import re
 from collections.abc import Iterable, Sequence
 from itertools import accumulate
-from typing import Any
+from typing import Any, NamedTuple
 
+from railgrip.base.groups import gather
 from railgrip.report.page import render
 from railgrip.rolling_stock.schema import BogieInTrain, Train
 from railgrip.rolling_stock.stopping import wire_of
@@ -136,7 +137,7 @@ def _parameters(train: Train, body_of_car: Sequence[int]) -> dict[str, Sequence[
     }
 
 
-def _bogie(train: Train, bogie: BogieInTrain, body_of_car: Sequence[int]) -> dict[str, Any]:
+def _bogie(train: Train, bogie: BogieInTrain, body_of_car: Sequence[int]) -> dict[str, object]:
     first = bogie.axles[0]
     groups = [
         {
@@ -165,26 +166,23 @@ def _places(axles: Sequence[int]) -> str:
     return f"{axles[0] + 1}:{axles[-1] + 1}"
 
 
-def _dynamic_brakes(train: Train, body_of_car: Sequence[int]) -> list[dict[str, Any]]:
+def _dynamic_brakes(train: Train, body_of_car: Sequence[int]) -> list[dict[str, object]]:
     """Return the dynamic brakes of groups: their data, and the shafts that they are connected to."""
     place_of_valve = {valve: place for place, valve in enumerate(train.blended_valves, start=1)}
-    found: list[dict[str, Any]] = []
-    for each in train.dynamic_groups:
-        axle, brake = train.axles[train.groups[each.group][0]], each.brake
-        found.append(
-            {
-                "brake": brake,
-                "law": brake.law(each.units),
-                "force": brake.largest(each.units, each.load),
-                "group": each.group + 1,
-                "body": body_of_car[axle.car] + 1,
-                "place": 0 if brake.blending == "added" else place_of_valve[each.valve],
-            }
-        )
-    return found
+    return [
+        {
+            "brake": each.brake,
+            "law": each.brake.law(each.units),
+            "force": each.brake.largest(each.units, each.load),
+            "group": each.group + 1,
+            "body": body_of_car[train.axles[train.groups[each.group][0]].car] + 1,
+            "place": 0 if each.brake.blending == "added" else place_of_valve[each.valve],
+        }
+        for each in train.dynamic_groups
+    ]
 
 
-def _blended(train: Train, body_of_car: Sequence[int], *, pneumatic: bool) -> dict[str, Any]:
+def _blended(train: Train, body_of_car: Sequence[int], *, pneumatic: bool) -> dict[str, object]:
     """Return dynamic brakes, relieved valves, and the expressions that connect them."""
     dynamics, supply = _dynamic_brakes(train, body_of_car), _command(train, body_of_car)["supply_of_group"]
     blending = _blending(train)
@@ -204,7 +202,7 @@ def _blended(train: Train, body_of_car: Sequence[int], *, pneumatic: bool) -> di
     return {
         "dynamics": dynamics,
         "blending": blending,
-        "relieved": {group: place for place, valve in enumerate(blending, 1) for group in valve["groups"]},
+        "relieved": {group: place for place, valve in enumerate(blending, 1) for group in valve.groups},
         "demanded": demanded,
         "of_place": of_place,
         "eddy_currents": names,
@@ -212,9 +210,17 @@ def _blended(train: Train, body_of_car: Sequence[int], *, pneumatic: bool) -> di
     }
 
 
-def _blending(train: Train) -> list[dict[str, Any]]:
-    """Return groups, rim force over pressure beyond the springs, and that pressure, of each relieved valve."""
-    valves: list[dict[str, Any]] = []
+class _RelievedValve(NamedTuple):
+    """Its groups, rim force over pressure beyond the springs [N/Pa], and the pressure of the springs [Pa]."""
+
+    groups: list[int]
+    slope: float
+    spring: float
+
+
+def _blending(train: Train) -> list[_RelievedValve]:
+    """Return the valves that dynamic brakes relieve."""
+    valves: list[_RelievedValve] = []
     for valve in train.blended_valves:
         groups = [group for group, of in enumerate(train.valve_of_group) if of == valve]
         brake = train.bogie_of(groups[0]).brake
@@ -224,13 +230,9 @@ def _blending(train: Train) -> list[dict[str, Any]]:
             for bogie in [train.bogie_of(group)]
             for i in train.groups[group]
         )
-        valves.append(
-            {
-                "groups": [group + 1 for group in groups],
-                "slope": lever * brake.efficiency * brake.rigging * brake.piston_area,
-                "spring": brake.spring_force / brake.piston_area,
-            }
-        )
+        slope = lever * brake.efficiency * brake.rigging * brake.piston_area
+        spring = brake.spring_force / brake.piston_area
+        valves.append(_RelievedValve([group + 1 for group in groups], slope, spring))
     return valves
 
 
@@ -325,10 +327,9 @@ def _total(member: str, part: str, parts: Sequence[object]) -> str:
 
 def _of_groups(train: Train, part: str, member: str) -> str:
     # The sum over all groups, that of each bogie first.
-    groups_of: dict[int, list[str]] = {}
-    for number, members in enumerate(train.groups, start=1):
-        groups_of.setdefault(train.axles[members[0]].bogie, []).append(f"{part}{number}.{member}")
-    return " + ".join(f"({' + '.join(groups)})" for groups in groups_of.values())
+    groups = enumerate(train.groups, start=1)
+    of_bogie = gather((train.axles[members[0]].bogie, f"{part}{number}.{member}") for number, members in groups)
+    return " + ".join(f"({' + '.join(members)})" for members in of_bogie.values())
 
 
 def _array(values: Iterable[float]) -> str:

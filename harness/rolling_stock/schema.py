@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, PrivateAttr, StrictBool, StrictInt, model_validator
 
 from railgrip.base.names import did_you_mean
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.brakes import (
     CONSTANT,
@@ -1060,7 +1061,7 @@ def load_train(path: Path) -> Train:
     return train_of(table, path.name)
 
 
-def train_of(table: dict[str, Any], origin: str) -> Train:
+def train_of(table: TomlTable, origin: str) -> Train:
     """Return the train described by plain tables; `origin` is the name of their source in messages.
 
     Raises:

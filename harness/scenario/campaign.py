@@ -14,6 +14,7 @@ from pydantic import Field, StrictBool, model_validator
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.names import did_you_mean
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import cut, place
 from railgrip.scenario.file import is_file, locate, nest, read_overrides
 from railgrip.scenario.load import Tables, read_scenario, read_toml, require_kind, validate_table
@@ -85,7 +86,7 @@ class CampaignFile(Table):
         tuple[str, ...],
         Field(min_length=1, description="files relative to the folder of this file, or names of the package"),
     ]
-    axes: dict[str, dict[str, dict[str, Any] | str]] = Field(
+    axes: dict[str, dict[str, TomlTable | str]] = Field(
         default={},
         description="axis → variant → tables, a file of them from the folder of this file, or a name of equipment",
     )
@@ -249,7 +250,7 @@ def campaign_of(table: Mapping[str, Any], path: Path, overrides: Sequence[str] =
     )
 
 
-def _variant_file(path: Path, axis: str, variant: str, name: str) -> dict[str, Any]:
+def _variant_file(path: Path, axis: str, variant: str, name: str) -> TomlTable:
     file = locate(name, "equipment", path.parent, f"{path.name}: [axes.{axis}] {variant}: ")
     if not is_file(file):
         raise ScenarioError(

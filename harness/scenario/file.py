@@ -17,6 +17,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import Shelf, not_one_of, shelf
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import cut, place, short
 from railgrip.fmus.native.library import file_digest
 from railgrip.scenario.table import table_error
@@ -184,7 +185,7 @@ def _toml_key(key: str) -> str:
     return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
 
 
-def parse_toml(text: str) -> dict[str, Any]:
+def parse_toml(text: str) -> TomlTable:
     """Return the tables of a TOML text.
 
     Raises:
@@ -215,7 +216,7 @@ _ELEMENT = re.compile(r"(.+)\[(\d{1,9})\]")
 """Key of an element of an array, such as `r_wheel[2]`."""
 
 
-def merge(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+def merge(base: Mapping[str, Any], change: Mapping[str, Any]) -> TomlTable:
     """Return `base` with the keys of `change` overlaid, table by table.
 
     A change of a table's `kind` discards the other keys, because another kind has other keys; kinds of the same filter,
@@ -242,7 +243,7 @@ def _array_of(key: Any) -> str | None:
     return element[1] if element else None
 
 
-def _replace(table: dict[str, Any], array: str, key: str, value: Any) -> bool:
+def _replace(table: TomlTable, array: str, key: str, value: Any) -> bool:
     values, index = table.get(array), int(key[len(array) + 1 : -1]) - 1
     if not isinstance(values, list | tuple) or not 0 <= index < len(values):
         return False
@@ -254,7 +255,7 @@ _PLANT = ("plant", "model", "library", "train")
 """Keys of [vehicle] that select the plant."""
 
 
-def with_another_plant(vehicle: Mapping[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
+def with_another_plant(vehicle: Mapping[str, Any], keys: Mapping[str, Any]) -> TomlTable:
     """Return the keys of a [vehicle] overridden by others; if these select a plant, it replaces the former one."""
     names_one = any(key in keys for key in _PLANT)
     return merge({key: value for key, value in vehicle.items() if not (names_one and key in _PLANT)}, keys)
@@ -284,13 +285,13 @@ def parts_of(key: Any) -> tuple[str, ...]:
     return parts
 
 
-def nest(changes: Mapping[str, Any]) -> dict[str, Any]:
+def nest(changes: Mapping[str, Any]) -> TomlTable:
     """Return dotted keys and their values, which are not changed, as one tree of tables.
 
     Raises:
         ScenarioError: A key is malformed; see `parts_of`.
     """
-    tree: dict[str, Any] = {}
+    tree: TomlTable = {}
     for key, value in changes.items():
         layer: Any = value
         for part in reversed(parts_of(key)):
@@ -303,7 +304,7 @@ def nest(changes: Mapping[str, Any]) -> dict[str, Any]:
     return tree
 
 
-def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
+def read_overrides(overrides: Sequence[str]) -> TomlTable:
     """Return strings `table.key=value` as one tree of tables.
 
     The value is parsed as TOML (`5`, `true`, `[1, 2]`, `"text"`), and otherwise used as plain text, so that
@@ -313,7 +314,7 @@ def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
     Raises:
         ScenarioError: An override is malformed.
     """
-    tree: dict[str, Any] = {}
+    tree: TomlTable = {}
     for override in overrides:
         key, equals, value = override.partition("=")
         if not equals or not key.strip() or not value.strip():
@@ -325,7 +326,7 @@ def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
     return OtherFileString.within(tree, Path.cwd())
 
 
-def _insert(tree: dict[str, Any], layer: Mapping[str, Any]) -> None:
+def _insert(tree: TomlTable, layer: Mapping[str, Any]) -> None:
     # Unlike in files, a `kind` does not discard other keys, whatever their order.
     for key, value in layer.items():
         below = tree.get(key)

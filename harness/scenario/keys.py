@@ -39,12 +39,12 @@ class _Generator(GenerateJsonSchema):
         return described
 
 
-def schema_of(model: type[BaseModel]) -> dict[str, Any]:
+def schema_of(model: type[BaseModel]) -> JsonSchemaValue:
     """Return the JSON schema of a file that is a pydantic model."""
     return {"$schema": _Generator.schema_dialect, **model.model_json_schema(schema_generator=_Generator)}
 
 
-def extending_schema(model: type[BaseModel], kind: str) -> dict[str, Any]:
+def extending_schema(model: type[BaseModel], kind: str) -> JsonSchemaValue:
     """Return the schema of a complete file, or of one with changes to the file that `extends` names."""
     name, schema = model.__name__, schema_of(model)
     dialect, tables = schema.pop("$schema"), schema.pop("$defs")
@@ -63,14 +63,14 @@ def extending_schema(model: type[BaseModel], kind: str) -> dict[str, Any]:
     }
 
 
-def scenario_schema() -> dict[str, Any]:
+def scenario_schema() -> JsonSchemaValue:
     """Return the schema of a scenario, whose name is optional and defaults to that of its file."""
     schema = extending_schema(Scenario, "scenario")
     schema["$defs"]["Scenario"]["required"].remove("name")
     return schema
 
 
-def campaign_schema() -> dict[str, Any]:
+def campaign_schema() -> JsonSchemaValue:
     """Return the schema of a campaign; a variant of an axis holds any tables of a scenario."""
     schema, scenario = schema_of(CampaignFile), schema_of(Scenario)
     changes = _any_key({**scenario.pop("$defs"), "Scenario": scenario})
@@ -82,7 +82,7 @@ def campaign_schema() -> dict[str, Any]:
     return schema
 
 
-def _any_key(tables: dict[str, Any]) -> dict[str, Any]:
+def _any_key(tables: JsonSchemaValue) -> JsonSchemaValue:
     def relaxed(node: Any) -> Any:
         if isinstance(node, list):
             return [relaxed(inner) for inner in node]

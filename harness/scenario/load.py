@@ -19,6 +19,7 @@ from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.files import read_text
 from railgrip.base.names import did_you_mean
 from railgrip.base.registry import shelf
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import cut, place, short
 from railgrip.scenario.file import (
     DIRECTORY,
@@ -277,7 +278,7 @@ class Tables:
 
     origin: str
     directory: Path
-    table: dict[str, Any]
+    table: TomlTable
     layers: Layers
 
     @classmethod
@@ -338,7 +339,7 @@ def extend_tables(table: Mapping[str, Any], folder: Path, origin: str, chain: Se
         )
     require_straight(path, chain, origin)
     base = _tables_in(path, (*chain, path))
-    below: dict[str, Any] = OtherFileString.within(base.table, base.directory)
+    below: TomlTable = OtherFileString.within(base.table, base.directory)
     if isinstance(below.get("vehicle"), dict) and isinstance(keys.get("vehicle"), dict):
         below["vehicle"] = with_another_plant(below["vehicle"], keys["vehicle"])
     return Tables(origin=origin, directory=folder, table=merge(below, keys), layers=((origin, keys), *base.layers))
@@ -377,7 +378,7 @@ def _add_equipment(tables: Tables, file: Path) -> Tables:
     return tables.overlay(file.name, OtherFileString.within(table, file.parent))
 
 
-def read_toml(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> TomlTable:
     """Return the tables of a TOML file.
 
     Raises:

@@ -14,6 +14,7 @@ from typing import Annotated, Any, Final, Self
 
 from pydantic import Field, model_validator
 
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import GRAVITY
 from railgrip.scenario.demand import Demand
 from railgrip.scenario.faults import Fault, Truth, kinds_of_faults
@@ -228,11 +229,11 @@ class Scenario(Table):
         entries = (getattr(table, key, None) for table, names in keys for key in names)
         return tuple(file for file in entries if isinstance(file, NamedFile))
 
-    def resolved(self) -> dict[str, Any]:
+    def resolved(self) -> TomlTable:
         """Return the scenario as plain values in SI units with all defaults; loading them gives an equal scenario."""
         return self.model_dump(mode="json")
 
-    def tables(self) -> dict[str, Any]:
+    def tables(self) -> TomlTable:
         """Return the values of `resolved` with each file at its place on this machine, so that they can be validated
         again from any folder.
         """

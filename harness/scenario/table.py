@@ -23,7 +23,9 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from railgrip.base import registry
+from railgrip.base.groups import gather
 from railgrip.base.names import did_you_mean
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import short
 from railgrip.scenario.quantity import InList, Parameter, UnitRange
 
@@ -72,7 +74,7 @@ def _elements(entry: Any) -> Any:
     # FMI names the elements of an array `x[1]`, `x[2]`.
     if not isinstance(entry, Mapping):
         return entry
-    flat: dict[str, Any] = {}
+    flat: TomlTable = {}
     table = cast("Mapping[str, Any]", entry)
     for name, value in table.items():
         if not isinstance(value, list | tuple):
@@ -166,9 +168,7 @@ def _map_entry(entry: Any) -> Any:
     )
 
 
-MapEntry = Annotated[
-    Any, PlainValidator(_map_entry, json_schema_input_type=str | dict[str, Any] | list[str | dict[str, Any]])
-]
+MapEntry = Annotated[Any, PlainValidator(_map_entry, json_schema_input_type=str | TomlTable | list[str | TomlTable])]
 """Annotation of a mapping entry: signal of the harness → variable of a foreign FMU."""
 
 
@@ -179,7 +179,7 @@ class Custom(Table):
     """
 
     kind: str = Field(description="module:Class, or the name of an entry point in the group railgrip.<table>s")
-    parameters: dict[str, Any] = Field(default={}, description="arguments of the class, by keyword")
+    parameters: TomlTable = Field(default={}, description="arguments of the class, by keyword")
 
 
 def kinds_of(table: type[BaseModel]) -> tuple[str, ...]:
@@ -239,9 +239,7 @@ class ByKind:
         return core_schema.with_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(self, source: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
-        kinds: dict[type[Table], list[str]] = {}
-        for kind, table in self.ours().items():
-            kinds.setdefault(table, []).append(kind)
+        kinds = gather((table, kind) for kind, table in self.ours().items())
         choices: list[tuple[type[Table], Any]] = [(table, {"enum": names}) for table, names in kinds.items()]
         if self.role is not None:
             installed = list(registry.installed_names(self.role))

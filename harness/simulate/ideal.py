@@ -43,6 +43,7 @@ import xarray
 
 from railgrip.base.arrays import Array
 from railgrip.base.errors import ScenarioError
+from railgrip.base.tables import TomlTable
 from railgrip.controllers.observation import Observation
 from railgrip.fmus.native import Model
 from railgrip.report.stop import Stop
@@ -363,11 +364,11 @@ ANALYSES: Final[Mapping[str, Callable[[Scenario, Callable[[float], None] | None]
 
 def _full_brake(scenario: Scenario) -> Scenario:
     """Return the same train and track, fully braked on a rail without slides."""
-    changes: dict[str, Any] = {"adhesion": {"kind": "constant", "mu0": _GRIPPY, "polach": "dry"}, "faults": []}
+    changes: TomlTable = {"adhesion": {"kind": "constant", "mu0": _GRIPPY, "polach": "dry"}, "faults": []}
     return _bare(scenario, changes)
 
 
-def _bare(scenario: Scenario, changes: dict[str, Any]) -> Scenario:
+def _bare(scenario: Scenario, changes: TomlTable) -> Scenario:
     """Return a scenario with the tables in `changes`, fully braked without a controller."""
     parts = {"sensors": {"kind": "ideal"}, "estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
     # Keys of the rail, such as patches, must not remain where the kind of friction is the same.

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from railgrip.base.names import ElementName
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import GRAVITY, mistake, mistaken_factor
 from railgrip.controllers.law import FULL_PRESSURE
 from railgrip.fmi import Description, Port, bind, open_plant, shared_budget
@@ -78,7 +79,7 @@ class SignalMapping:
         if not self.unit and abs(self.scale) == 1.0:
             return f"-{self.variables}" if self.scale < 0 else self.variables
         sign, scale = ("-", -self.scale) if self.scale < 0 else ("", self.scale)
-        details: dict[str, Any] = {"variable": f"{sign}{self.variables}"}
+        details: TomlTable = {"variable": f"{sign}{self.variables}"}
         return details | ({"unit": self.unit} if self.unit else {}) | ({"scale": scale} if scale != 1.0 else {})
 
 

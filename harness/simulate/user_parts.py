@@ -33,6 +33,7 @@ from railgrip.base.errors import (
 )
 from railgrip.base.interrupted import Interrupted
 from railgrip.base.registry import Role, installed_names
+from railgrip.base.tables import JsonObject
 from railgrip.base.units import cut, short
 from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.observation import Observation
@@ -701,7 +702,7 @@ def table_of(part: object, table: type[_Table] = Custom, **keys: Any) -> _Table:
     return table(kind=_name(type(part)), parameters=_plain_attributes(part), **keys)
 
 
-def origin_of(part: object, parameters: Mapping[str, Any]) -> dict[str, Any]:
+def origin_of(part: object, parameters: Mapping[str, Any]) -> JsonObject:
     """Return the origin of an object's class, as JSON values: its name, a digest of its source, its arguments.
 
     The digest is that of the module's file, else of the class's source text; None if neither exists. The arguments of
@@ -726,8 +727,8 @@ def _source(kind: type) -> str | None:
     return hashlib.sha256(content).hexdigest()
 
 
-def _plain_attributes(part: object) -> dict[str, Any]:
-    attributes: dict[str, Any] = vars(part) if hasattr(part, "__dict__") else {}
+def _plain_attributes(part: object) -> JsonObject:
+    attributes: dict[str, object] = vars(part) if hasattr(part, "__dict__") else {}
     values = {name: _plain(value) for name, value in attributes.items() if not name.startswith("_")}
     return {name: value for name, value in values.items() if value is not None}
 
@@ -775,7 +776,7 @@ class CustomParts:
 
     def declare_in(self, scenario: Scenario) -> Scenario:
         """Return the scenario with these objects' classes in its tables, which results of a stop must name."""
-        tables: dict[str, Any] = {}
+        tables: dict[str, object] = {}
         if self.controller is not None:
             over = {name: getattr(scenario.controller, name) for name in TrainLevelTable.model_fields}
             tables["controller"] = table_of(self.controller, CustomLaw, **over)
@@ -802,7 +803,7 @@ class UserParts:
 
     def __init__(self, objects: CustomParts, scenario: Scenario, layout: Layout) -> None:
         """Take the tables of a scenario, in which `objects` are declared, and the layout of its vehicle."""
-        self.classes: dict[str, dict[str, Any]] = {}
+        self.classes: dict[str, JsonObject] = {}
         self._objects, self._scenario, self._layout = objects, scenario, layout
 
     def controller(self) -> CustomController | FormulaLaw | None:

@@ -15,6 +15,7 @@ import numpy as np
 import xarray
 from pydantic import BaseModel, ConfigDict, create_model
 
+from railgrip.base.tables import JsonObject
 from railgrip.estimators.consistency import FAR
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace import measures
@@ -359,7 +360,7 @@ class Metrics:
         values = {name: self.of_train(name) for name, figure in FIGURES.items() if figure.is_compared}
         return {name: value for name, value in values.items() if math.isfinite(value)}
 
-    def to_plain(self) -> dict[str, Any]:
+    def to_plain(self) -> JsonObject:
         """Return the figures as JSON values."""
         return json.loads(json.dumps(asdict(self)))
 
@@ -422,8 +423,7 @@ def measure(
     """
     braking = measures.since_brake_demand(trace)
     stop = MeasuredStop(trace=braking, outcome=outcome, alpha_max=alpha_max, actuation=actuation, target=target)
-    values: dict[str, Any] = {name: figure.formula(stop) for name, figure in FIGURES.items()}
-    return Metrics(**values)
+    return Metrics(**{name: figure.formula(stop) for name, figure in FIGURES.items()})
 
 
 def _to_tuples(value: Any) -> Any:

@@ -21,6 +21,7 @@ from railgrip.base.arrays import Mask, Vector
 from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.base.files import write_text
 from railgrip.base.names import ElementName
+from railgrip.base.tables import JsonObject
 from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
@@ -132,8 +133,8 @@ def write_page(load: Load, file: Path, objects: CustomParts = NO_CUSTOM_PARTS) -
     """
     scenario, remarks = load([]), list[str]()
     every, kinds = [*_controls(scenario, remarks)], dict.fromkeys((scenario.controller.kind, *LAWS))
-    data, files, variables = dict[str, Any](), dict[str, str](), dict[str, Any]()
-    laws, controls = list[dict[str, Any]](), every
+    data, files, variables = JsonObject(), dict[str, str](), dict[str, object]()
+    laws, controls = list[JsonObject](), every
     for kind in kinds:
         at = partial(_assembled, load, objects, kind if laws else "", every)
         try:
@@ -240,7 +241,7 @@ def _sources_of(plant: CoSimulation) -> dict[str, str]:
     return {f"plant_{name}": include.sub(r'#include "plant_\1"', text) for name, text in files.items()}
 
 
-def _code_of_law(parts: Parts, number: int) -> dict[str, Any]:
+def _code_of_law(parts: Parts, number: int) -> JsonObject:
     """Return C code of the formulas of a stop, and the functions that its memory calls."""
     formulas = {"onboard->law": parts.controller, "onboard->valves": parts.valves}
     calls = list[tuple[str, str]]()
@@ -254,7 +255,7 @@ def _code_of_law(parts: Parts, number: int) -> dict[str, Any]:
     return {"code": "\n".join(write_call(name, formula) for name, (_, formula) in there.items()), "calls": calls}
 
 
-def _files(opened: StopAssembly) -> tuple[dict[str, str], dict[str, Any]]:
+def _files(opened: StopAssembly) -> tuple[dict[str, str], dict[str, object]]:
     """Return the C code of a stop, file name → text, and variables of the template of browser_parts.h."""
     parts = opened.parts
     plant, _ = _require_c(opened.vehicle.scenario, parts)
@@ -277,7 +278,7 @@ def _files(opened: StopAssembly) -> tuple[dict[str, str], dict[str, Any]]:
     }
 
 
-def _data(scenario: Scenario, opened: StopAssembly) -> dict[str, Any]:
+def _data(scenario: Scenario, opened: StopAssembly) -> JsonObject:
     """Return the data of a page that all laws share."""
     parts, adhesion, period = opened.parts, scenario.adhesion, scenario.periods.communication
     formation, conditioning = parts.layout.formation, adhesion.conditioning
@@ -388,7 +389,7 @@ def _fit(
 
 def _thresholds(
     law: str, stop: _Stop, open_at: _OpenAt, objects: CustomParts, remarks: list[str]
-) -> list[dict[str, Any]]:
+) -> list[JsonObject]:
     """Return the parameters of a law that the page may change, and those that each of them must not exceed."""
     kind: type[GroupLaw] = law_named(law) or class_of(Custom(kind=law), "controllers", objects.folders)
     tuning, names = kind.tuning, [variable.name for variable in stop.law.formula.parameters]

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -286,7 +286,7 @@ _LEAD_IN = 2.0
 """Time for which a frame has been rolling before the stop begins [s]."""
 
 
-def _rough_rail(scenario: Scenario, table: RailUnderWheels, layout: Layout, period: float) -> dict[str, Any]:
+def _rough_rail(scenario: Scenario, table: RailUnderWheels, layout: Layout, period: float) -> dict[str, object]:
     """Return the rail whose irregularities affect the deflections, as fields of `Service` in sensors.h.
 
     A frame on its primary suspension moves as z̈ = ω² (r - z) + 2 ζ ω (ṙ - ż) over the height r under a wheelset; the
