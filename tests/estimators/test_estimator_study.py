@@ -68,9 +68,10 @@ from railgrip.studies.estimators.replay import (
 from railgrip.studies.estimators.tables import (
     SETTLED,
     by_family,
+    errors_of_estimation,
     leaderboard,
     pads_by_group,
-    rows_of_estimation,
+    rank_estimators,
     skill,
     skill_of_groups,
     squares_of,
@@ -121,9 +122,9 @@ def test_errors_of_a_constant_are_those_of_its_definition(short):
     errors = errors_of((short, CONSTANT, CONSTANTS))
     recording = recording_of_case(short)
     truth = recording["group_adhesion"].values[recording["speed"].values > 10 / 3.6]
-    assert errors["rmse"]["adhesion"] == pytest.approx(np.sqrt(np.mean((truth - 0.05) ** 2)), rel=1e-12)
-    assert errors["bias"] == pytest.approx(0.05 - np.mean(truth), rel=1e-9)
-    assert np.isnan(errors["coverage"]["adhesion"])
+    assert errors.rmse["adhesion"] == pytest.approx(np.sqrt(np.mean((truth - 0.05) ** 2)), rel=1e-12)
+    assert errors.bias == pytest.approx(0.05 - np.mean(truth), rel=1e-9)
+    assert np.isnan(errors.coverage["adhesion"])
     total, count = truths_of(short)["adhesion"]
     assert total / count == pytest.approx(np.mean(truth), rel=1e-12)
 
@@ -138,10 +139,10 @@ def test_filters_that_differ_by_their_linearisation_agree_on_the_train(short):
 
 def test_all_estimators_get_the_same_readings_and_are_ranked(short):
     names = [name for name, entry in ESTIMATORS.items() if entry.is_fast or entry.is_reference]
-    rows = [{"estimator": name, "case": "short"} | errors_of((short, name, CONSTANTS)) for name in names]
+    rows = [{"estimator": name, "case": "short"} | errors_of((short, name, CONSTANTS)).to_plain() for name in names]
     frame = pandas.json_normalize(rows)
     assert frame["digest"].nunique() == 1
-    ranked = [row["estimator"] for row in leaderboard(frame).rows]
+    ranked = rank_estimators(frame)["estimator"].tolist()
     assert ranked == [name for _, name in sorted(zip(frame["rmse.adhesion"], names, strict=True))]
     assert skill(squares_of(frame, FORCE_BALANCE, FORCE_BALANCE)) == 0.0
     assert {"smoother", "fixed_lag", *REFERENCES} <= set(ranked)
@@ -197,8 +198,8 @@ def test_errors_of_single_pads_are_those_of_their_definition(short):
     judged = pads_are_identifiable(short) & (recording["speed"].values > SLOWEST)[:, np.newaxis]
     for group in (0, 3):
         error = 0.35 - recording["pad_friction"].values[judged[:, group], group]
-        assert errors["pads"][group] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-12)
-    assert np.isnan(errors["pads"][1:3]).all()
+        assert errors.pads[group] == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-12)
+    assert np.isnan(errors.pads[1:3]).all()
 
 
 def test_the_skill_of_groups_leaves_out_cases_in_which_they_are_not_identifiable():
@@ -226,20 +227,20 @@ def test_the_leaderboard_has_medians_and_skills_of_numpy_in_any_order_of_cases()
     draw = np.random.default_rng(1)
     errors = {name: draw.uniform(0.01, 0.1, 12) for name in ("fmu", CONSTANT, FORCE_BALANCE)}
     for order in (np.arange(12), draw.permutation(12)):
-        rows = leaderboard(frame_of({name: values[order] for name, values in errors.items()})).rows
-        assert [row["estimator"] for row in rows] == sorted(errors, key=lambda name: np.median(errors[name]))
-        for row in rows:
-            own = errors[row["estimator"]]
-            assert row["median RMSE"] == pytest.approx(np.median(own), rel=1e-12)
-            for column, reference in (("over constant", CONSTANT), ("over force balance", FORCE_BALANCE)):
+        frame = rank_estimators(frame_of({name: values[order] for name, values in errors.items()}))
+        assert frame["estimator"].tolist() == sorted(errors, key=lambda name: np.median(errors[name]))
+        for row in frame.itertuples():
+            own = errors[row.estimator]
+            assert row.median == pytest.approx(np.median(own), rel=1e-12)
+            for value, reference in ((row.over_constant, CONSTANT), (row.over_force_balance, FORCE_BALANCE)):
                 skill_of_all = 1.0 - np.sum(own**2) / np.sum(errors[reference] ** 2)
-                assert row[column] == pytest.approx(skill_of_all, abs=1e-12)
+                assert value == pytest.approx(skill_of_all, abs=1e-12)
 
 
 @pytest.mark.filterwarnings("error")
 def test_an_estimator_that_diverged_in_every_case_has_empty_cells():
     frame = frame_of({CONSTANT: [0.1, 0.2], FORCE_BALANCE: [0.1, 0.1], "lost": [math.nan, math.nan]})
-    last = leaderboard(frame).texts[-1]
+    last = leaderboard(rank_estimators(frame)).texts[-1]
     assert (last["estimator"], last["diverged"], last["cases"]) == ("lost", "2", "2")
     assert {last[name] for name in ("median RMSE", "from", "over constant", "95 %")} == {""}
     assert "lost" not in by_family(frame).columns
@@ -292,17 +293,17 @@ def test_a_users_class_gets_the_same_readings_and_is_judged(short, tmp_path):
     (tmp_path / "drag.py").write_text(OWN, encoding="utf-8")
     errors = errors_of((short, f"{tmp_path / 'drag.py'}:Drag", CONSTANTS))
     recording = recording_of_case(short)
-    assert errors["digest"] == errors_of((short, CONSTANT, CONSTANTS))["digest"]
+    assert errors.digest == errors_of((short, CONSTANT, CONSTANTS)).digest
     moving = recording["speed"].values > 10 / 3.6
     expected = -recording["reading_acceleration"].values[moving, np.newaxis] / 9.81
     truth = recording["group_adhesion"].values[moving]
     # The estimator receives the reading of the previous period.
-    assert errors["rmse"]["adhesion"] == pytest.approx(np.sqrt(np.mean((expected - truth) ** 2)), rel=0.1)
+    assert errors.rmse["adhesion"] == pytest.approx(np.sqrt(np.mean((expected - truth) ** 2)), rel=0.1)
     speed = recording["speed"].values[moving]
-    assert errors["rmse"]["speed"] == pytest.approx(np.sqrt(np.mean((0.5 * speed) ** 2)), rel=0.05)
-    assert 0.0 < errors["coverage"]["adhesion"] <= 1.0
-    assert np.isnan(errors["rmse"]["pad_friction"])
-    assert 0.0 <= errors["available"]["known"] <= 1.0
+    assert errors.rmse["speed"] == pytest.approx(np.sqrt(np.mean((0.5 * speed) ** 2)), rel=0.05)
+    assert 0.0 < errors.coverage["adhesion"] <= 1.0
+    assert np.isnan(errors.rmse["pad_friction"])
+    assert 0.0 <= errors.available["known"] <= 1.0
 
 
 def test_the_adhesion_available_is_the_maximum_of_the_creep_curve(short):
@@ -507,8 +508,8 @@ def test_another_train_has_its_recordings_estimators_and_folder(short):
     case = replace(short, train="tram")
     assert recording_of_case(case).sizes["group"] == 4
     errors = [errors_of((case, name, CONSTANTS)) for name in (CONSTANT, FORCE_BALANCE, "fmu", "disturbed", "fixed_lag")]
-    assert len({one["digest"] for one in errors}) == 1
-    assert all(np.isfinite(one["rmse"]["adhesion"]) for one in errors)
+    assert len({one.digest for one in errors}) == 1
+    assert all(np.isfinite(one.rmse["adhesion"]) for one in errors)
     study = Estimators(train="tram", estimator=["fmu"])
     assert study.place == "tram"
     assert Estimators().place == ""
@@ -524,9 +525,9 @@ def test_a_filter_of_another_vehicle_has_the_errors_of_its_estimation(tmp_path):
     recording = recording_of_estimation(specification)
     estimates = estimate_of(specification, recording)
     judged = recording["time"].values >= SETTLED
-    rows = {(row["estimator"], row["quantity"]): row for row in rows_of_estimation(str(tmp_path / "wagon.toml"))}
+    frame = errors_of_estimation(str(tmp_path / "wagon.toml")).set_index(["estimator", "quantity"], drop=False)
     own = judge(recording, estimates, "alpha", judged)
-    assert rows["fmu", "group_adhesion"]["RMSE"] == pytest.approx(own.rmse, rel=1e-9)
-    assert rows["fmu", "group_adhesion"]["NEES"] == pytest.approx(own.nees, rel=1e-9)
-    assert all(row["bound"] > 0.0 for row in rows.values())
-    assert len(vehicles(list(rows.values())).rows) == len(rows)
+    assert pytest.approx(own.rmse, rel=1e-9) == frame.loc[("fmu", "group_adhesion"), "RMSE"]
+    assert pytest.approx(own.nees, rel=1e-9) == frame.loc[("fmu", "group_adhesion"), "NEES"]
+    assert (frame["bound"] > 0.0).all()
+    assert len(vehicles(frame).rows) == len(frame)

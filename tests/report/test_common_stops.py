@@ -15,7 +15,7 @@ from railgrip.report.distances import headline
 from railgrip.report.distribution import distributions_of
 from railgrip.report.reference import references
 from railgrip.report.statistics import on_common, rank
-from railgrip.studies.estimators.tables import leaderboard
+from railgrip.studies.estimators.tables import rank_estimators
 
 # Of a hard and two easy cases the first entrant has all, the second one only the easy ones.
 CASES = {"all": {"hard": 900.0, "easy": 100.0, "plain": 110.0}, "easy alone": {"easy": 101.0, "plain": 111.0}}
@@ -119,10 +119,10 @@ def test_an_estimator_that_diverges_where_it_is_hard_is_not_first():
         *estimates("fragile", dict.fromkeys(hard, math.nan) | dict.fromkeys(easy, 0.001)),
         *estimates("robust", dict.fromkeys([*hard, *easy], 0.01)),
     ]
-    assert [row["estimator"] for row in leaderboard(pandas.DataFrame(rows)).rows] == ["robust", "fragile"]
+    assert rank_estimators(pandas.DataFrame(rows))["estimator"].tolist() == ["robust", "fragile"]
     few = [*rows, *estimates("easy alone", dict.fromkeys(easy, 0.005))]
-    board = leaderboard(pandas.DataFrame(few)).rows
-    assert [(row["estimator"], row["cases"]) for row in board] == [("fragile", 2), ("easy alone", 2), ("robust", 2)]
+    board = rank_estimators(pandas.DataFrame(few))
+    assert board[["estimator", "cases"]].values.tolist() == [["fragile", 2], ["easy alone", 2], ["robust", 2]]
 
 
 PACKAGE = Path(railgrip.report.__file__).parents[1]

@@ -7,9 +7,10 @@ the same errors: one coordinate search on training cases, with the same budget f
 import hashlib
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from itertools import product
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import xarray
@@ -19,6 +20,7 @@ from scipy.ndimage import maximum_filter1d
 from railgrip.base.errors import FilterDiverged
 from railgrip.base.files import write_text
 from railgrip.base.names import ElementName
+from railgrip.base.tables import JsonObject
 from railgrip.estimation.judgement import NORMAL_95, rms
 from railgrip.estimation.run import FilterRun
 from railgrip.estimators.belief import Array, Matrix, Vector
@@ -123,17 +125,51 @@ EstimatorCase = tuple[RecordingCase, str, tuple[tuple[str, float], ...]]
 """A recording, the name of an estimator, and the best constants: target → value."""
 
 
-def errors_of(case: EstimatorCase) -> dict[str, Any]:
-    """Run an estimator over a recording and return its errors above 10 km/h, those in brackets by target.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CaseErrors:
+    """Errors of an estimator in a recording above 10 km/h; NaN if they do not exist, None if the filter diverged.
 
-    `digest`: SHA-256 of the readings, equal for all estimators; `diverged`: whether the filter diverged, which then has
-    no errors; `rmse[]`: root mean square error over all groups; `bias`, `delay` [s], `nees`: of adhesion, means of the
-    groups; `step_delay`: see `step_delay` [s]; `lost`: share of samples in which the error of adhesion is above `LOST`;
-    `admitted`: share of these within the claimed 95 % interval; `coverage[]`: share of all samples within it; `width`:
-    median width of that of adhesion; `pads`: root mean square error of the pad friction of each group where
-    identifiable; `available[]`: see `available_errors`; `nis`: median of the normalised innovation squared over its
-    expected one; `microseconds`: processor time of a step [µs]. Errors that do not exist are NaN.
+    Attributes:
+        digest: SHA-256 of the readings, equal for all estimators.
+        diverged: Whether the filter diverged.
+        rmse: Target → root mean square error over all groups.
+        bias: Of adhesion, mean of the groups, as `delay` and `nees`.
+        delay: Delay of adhesion [s].
+        step_delay: See `step_delay` [s].
+        lost: Share of samples in which the error of adhesion is above `LOST`.
+        admitted: Share of these within the claimed 95 % interval.
+        coverage: Target → share of all samples within the claimed 95 % interval.
+        width: Median width of that of adhesion.
+        pads: Root mean square error of the pad friction of each group where identifiable.
+        available: See `available_errors`.
+        nees: Normalised estimation error squared.
+        nis: Median of the normalised innovation squared over its expected one.
+        microseconds: Processor time of a step [µs].
     """
+
+    digest: str
+    diverged: bool = False
+    rmse: dict[str, float] | None = None
+    bias: float | None = None
+    delay: float | None = None
+    step_delay: float | None = None
+    lost: float | None = None
+    admitted: float | None = None
+    coverage: dict[str, float] | None = None
+    width: float | None = None
+    pads: tuple[float, ...]
+    available: dict[str, float] | None = None
+    nees: float | None = None
+    nis: float | None = None
+    microseconds: float | None = None
+
+    def to_plain(self) -> JsonObject:
+        """Return the errors that the filter has as JSON values."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+
+def errors_of(case: EstimatorCase) -> CaseErrors:
+    """Run an estimator over a recording and return its errors."""
     recording_case, estimator, constants = case
     if is_class(estimator):
         trace = trace_with_class(recording_case, estimator)
@@ -142,10 +178,10 @@ def errors_of(case: EstimatorCase) -> dict[str, Any]:
         run = _constant(recording_case, dict(constants)) if estimator == CONSTANT else replay(recording_case, estimator)
     except FilterDiverged:
         digest = _digest(recording_of_case(recording_case))
-        return {"digest": digest, "diverged": True, "pads": (math.nan,) * recording_case.groups}
+        return CaseErrors(digest=digest, diverged=True, pads=(math.nan,) * recording_case.groups)
     trace = with_estimates(recording_case, estimator, run)
     errors = _judge(case, trace, nis=run.nis_ratio, microseconds=run.microseconds)
-    return errors | ({"step_delay": math.nan} if estimator == CONSTANT else {})
+    return replace(errors, step_delay=math.nan) if estimator == CONSTANT else errors
 
 
 def _digest(trace: xarray.Dataset) -> str:
@@ -160,28 +196,27 @@ def _constant(case: RecordingCase, constants: Mapping[str, float]) -> FilterRun:
     return FilterRun(mean=mean, variance=np.full(mean.shape, math.nan))
 
 
-def _judge(case: EstimatorCase, trace: xarray.Dataset, nis: float | None, microseconds: float) -> dict[str, Any]:
+def _judge(case: EstimatorCase, trace: xarray.Dataset, nis: float | None, microseconds: float) -> CaseErrors:
     adhesion = adhesion_errors(trace)
     errors = {target: errors_of_target(trace, target) for target in TARGETS}
     error, deviation = errors["adhesion"]
     is_lost = np.abs(error) > LOST
-    return {
-        "digest": _digest(trace),
-        "diverged": False,
-        "rmse": {target: rms(error) if error.size else math.nan for target, (error, _) in errors.items()},
-        "bias": _mean(adhesion["adhesion_bias"]),
-        "delay": _mean(adhesion["adhesion_delay"]),
-        "step_delay": step_delay(trace),
-        "lost": float(np.mean(is_lost)) if error.size else math.nan,
-        "admitted": coverage(error[is_lost], deviation[is_lost], NORMAL_95),
-        "coverage": {target: coverage(*pair, NORMAL_95) for target, pair in errors.items()},
-        "width": 2.0 * NORMAL_95 * float(np.median(deviation)) if deviation.size else math.nan,
-        "pads": _errors_of_groups(trace, case[0]),
-        "available": available_errors(trace, dict(case[2]).get("available", math.nan), NORMAL_95),
-        "nees": _mean(adhesion["adhesion_nees"]),
-        "nis": math.nan if nis is None else nis,
-        "microseconds": microseconds,
-    }
+    return CaseErrors(
+        digest=_digest(trace),
+        rmse={target: rms(error) if error.size else math.nan for target, (error, _) in errors.items()},
+        bias=_mean(adhesion["adhesion_bias"]),
+        delay=_mean(adhesion["adhesion_delay"]),
+        step_delay=step_delay(trace),
+        lost=float(np.mean(is_lost)) if error.size else math.nan,
+        admitted=coverage(error[is_lost], deviation[is_lost], NORMAL_95),
+        coverage={target: coverage(*pair, NORMAL_95) for target, pair in errors.items()},
+        width=2.0 * NORMAL_95 * float(np.median(deviation)) if deviation.size else math.nan,
+        pads=_errors_of_groups(trace, case[0]),
+        available=available_errors(trace, dict(case[2]).get("available", math.nan), NORMAL_95),
+        nees=_mean(adhesion["adhesion_nees"]),
+        nis=math.nan if nis is None else nis,
+        microseconds=microseconds,
+    )
 
 
 def step_delay(trace: xarray.Dataset) -> float:

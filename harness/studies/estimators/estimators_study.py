@@ -1,10 +1,10 @@
 """How well adhesion can be known: the options, page, tables and headline numbers of the study."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 import pandas
@@ -13,12 +13,15 @@ from typer import Option
 from railgrip.base.errors import InputError
 from railgrip.base.names import did_you_mean
 from railgrip.base.registry import shelf
+from railgrip.base.tables import JsonObject
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding, mean
+from railgrip.report.frame import Frame
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.file import is_file, locate
 from railgrip.studies.estimators.case_errors import (
+    CaseErrors,
     SearchCase,
     bounds_of,
     errors_of,
@@ -55,11 +58,12 @@ from railgrip.studies.estimators.tables import (
     available,
     by_family,
     consistency,
+    errors_of_estimation,
+    errors_of_lateral,
     leaderboard,
     others,
     pads_by_group,
-    rows_of_estimation,
-    rows_of_lateral,
+    rank_estimators,
     targets,
     vehicles,
 )
@@ -105,11 +109,12 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
             raise InputError("--write is for all estimators; leave out --estimator.")
         count, train = self.count or COUNT, self._train()
         design = recording_cases(count, SEEDS["sealed" if self.sealed else "test"], train)
-        rows = rows_of(work, design, recording_cases(count, SEEDS["training"], train), names)
+        results = judge(work, design, recording_cases(count, SEEDS["training"], train), names)
         bounds = work.map(bounds_of, design)
-        bound, frame = float(np.median([adhesion for adhesion, _ in bounds])), pandas.json_normalize(rows)
+        bound, frame = float(np.median([adhesion for adhesion, _ in bounds])), frame_of(results)
+        ranked = rank_estimators(frame)
         tables = {
-            "leaderboard": leaderboard(frame),
+            "leaderboard": leaderboard(ranked),
             "claims": consistency(frame),
             "families": by_family(frame),
             "coverage": by_family(frame, "coverage"),
@@ -118,18 +123,18 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
             "others": others(frame),
         }
         if not (self.estimator or train):  # of this project, for its own estimators on its own train
-            tables["targets"] = targets(frame, bound)
+            tables["targets"] = targets(frame, ranked, bound)
         if not (self.estimator or self.quick or train):
             tables["vehicles"] = vehicles_of(work)
         if self.write:
             write_tables(PAGE, tables)
-        best = tables["leaderboard"].rows[0]
+        best = ranked.iloc[0]
         return Page(
             title="How well adhesion can be known",
             question="Which estimator has the smallest error of adhesion, and is its claimed error true?",
             answer=(
                 f"The smallest median RMSE of adhesion over {count} recordings"
-                f"{', too few to rank estimators,' if math.isnan(best['from']) else ''} is {best['median RMSE']:.4f}, "
+                f"{', too few to rank estimators,' if math.isnan(best['low']) else ''} is {best['median']:.4f}, "
                 f"of {best['estimator']}. The prediction, if it were true, would permit {bound:.4f}."
             ),
             template="studies/estimators/estimators.md.jinja",
@@ -138,7 +143,7 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
             | {"count": count, "bound": f"{bound:.4f}", "train": Path(train).stem if train else ""}
             | {"limits": model_of_estimator("fmu", train).limits},
             tables={f"{name}.csv": table for name, table in tables.items()},
-            data={"estimators.json": rows},
+            data={"estimators.json": [each.to_plain() for each in results]},
             screen=tuple(tables.values()),
         )
 
@@ -233,7 +238,7 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
         """Return errors of adhesion of references and fast filters in two recordings, and the coverage of the EKF."""
         names = (*REFERENCES, "fmu", "interacting", "disturbance_observer", "disturbed")
         design = recording_cases(2, SEEDS["test"])
-        frame = pandas.json_normalize(rows_of(work, design, recording_cases(2, SEEDS["training"]), names))
+        frame = frame_of(judge(work, design, recording_cases(2, SEEDS["training"]), names))
         errors = frame.groupby("estimator", sort=False).agg({"rmse.adhesion": "mean", "coverage.adhesion": "mean"})
         return [
             *(
@@ -246,13 +251,32 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
 
 def vehicles_of(work: Work) -> ReportTable:
     """Return the table of the filters of wagon, roller rig and lateral wheelset."""
-    found = [*work.map(rows_of_estimation, ESTIMATIONS), *work.map(rows_of_lateral, [SEEDS["test"]])]
-    return vehicles([row for rows in found for row in rows])
+    found = [*work.map(errors_of_estimation, ESTIMATIONS), *work.map(errors_of_lateral, [SEEDS["test"]])]
+    return vehicles(pandas.concat(found))
 
 
-def rows_of(
+class Judged(NamedTuple):
+    """The errors of an estimator in a case."""
+
+    case: RecordingCase
+    estimator: str
+    errors: CaseErrors
+
+    def to_plain(self) -> JsonObject:
+        """Return the name of the case, its families, the name of the estimator and the errors as JSON values."""
+        about = {"case": self.case.stop.name, "over": self.case.over}
+        families = {field: family_of(self.case, field) for field in FAMILIES}
+        return about | families | {"estimator": name_of(self.estimator)} | self.errors.to_plain()
+
+
+def frame_of(results: Iterable[Judged]) -> Frame:
+    """Return a row for each result, with the keys of `Judged.to_plain` as columns, nested ones joined by a dot."""
+    return pandas.json_normalize([each.to_plain() for each in results])
+
+
+def judge(
     work: Work, design: Sequence[RecordingCase], training: Sequence[RecordingCase], names: Sequence[str]
-) -> list[dict[str, Any]]:
+) -> list[Judged]:
     """Return the errors of each estimator in each case; the best constants are those of the training set.
 
     Raises:
@@ -269,16 +293,9 @@ def rows_of(
     errors = [*work.map(errors_of, built_in), *work.map(errors_of, own, keep=False)]
     found = dict(zip([(case, name) for case, name, _ in (*built_in, *own)], errors, strict=True))
     for case in design:
-        if len({found[case, name]["digest"] for name in names}) > 1:
+        if len({found[case, name].digest for name in names}) > 1:
             raise InputError(f"case {case.stop.name}: the estimators did not get the same readings.")
-    return [
-        {"case": case.stop.name, "over": case.over}
-        | {field: family_of(case, field) for field in FAMILIES}
-        | {"estimator": name_of(name)}
-        | found[case, name]
-        for name in names
-        for case in design
-    ]
+    return [Judged(case, name, found[case, name]) for name in names for case in design]
 
 
 STUDY = Estimators

@@ -7,13 +7,14 @@ limit, and with the true state, which limits what any estimator can achieve.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import pandas
 
 from railgrip.api import Scenario
 from railgrip.base.arrays import Vector
+from railgrip.base.tables import TomlTable
 from railgrip.campaign.work import Work
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.report.frame import Frame, groups_of
@@ -122,7 +123,7 @@ def _figures(stop: Stop) -> dict[str, float]:
 
 def scenario_of_case(case: LoopCase) -> schema.Scenario:
     """Return the scenario of a case with the prediction, outlier limit and period of its estimates."""
-    changes: dict[str, dict[str, Any]] = {}
+    changes: TomlTable = {}
     if case.estimates == "true state":
         # It does not use the radar, whose failure would release a group.
         changes["estimator"] = {"free_wheels": False}
@@ -177,27 +178,28 @@ def compare(found: Frame) -> ReportTable:
     Args:
         found: Stops by law and estimates, of each the same cases in the same order; others are refused.
     """
-    rows: list[dict[str, Any]] = []
+    rows: list[tuple[str | float, ...]] = []
     for (law, name), stops in groups_of(found, ("law", "estimates")):
         pairs = zip(stops["distance"], _present(found, law), strict=True)
         ratios = [1.0 + relative_change(*pair) for pair in pairs]
         rows.append(
-            {
-                "law": law,
-                "estimates": name,
-                "stops": f"{np.isfinite(stops['distance']).sum()} of {len(stops)}",
-                "shorter": sum(ratio < 1.0 - EQUAL for ratio in ratios),
-                "longer": sum(ratio > 1.0 + EQUAL for ratio in ratios),
-                "median": with_interval(quantile(ratios, 0.5), quantile_interval(ratios, 0.5), "{:.4f}"),
-                "mean": with_interval(float(np.exp(np.mean(np.log(ratios)))), _interval_of_mean(ratios), "{:.4f}"),
-                "maximum": max(ratios),
-                "longest lock": float(stops["lock"].max()),
-                "RMSE": float(np.median(stops["error"])),
-                "NEES": float(np.mean(stops["nees"])),
-            }
+            (
+                law,
+                name,
+                f"{np.isfinite(stops['distance']).sum()} of {len(stops)}",
+                sum(ratio < 1.0 - EQUAL for ratio in ratios),
+                sum(ratio > 1.0 + EQUAL for ratio in ratios),
+                with_interval(quantile(ratios, 0.5), quantile_interval(ratios, 0.5), "{:.4f}"),
+                with_interval(float(np.exp(np.mean(np.log(ratios)))), _interval_of_mean(ratios), "{:.4f}"),
+                max(ratios),
+                float(stops["lock"].max()),
+                float(np.median(stops["error"])),
+                float(np.mean(stops["nees"])),
+            )
         )
-    forms = {"maximum": "{:.3f}", "longest lock": "{:.2f} s", "RMSE": "{:.4f}", "NEES": "{:.2f}"}
-    return ReportTable(rows, forms, ("law", "estimates"), title="Distance over that with the present estimates")
+    forms = dict.fromkeys(("law", "estimates", "stops", "shorter", "longer", "median", "mean"), "{}")
+    forms |= {"maximum": "{:.3f}", "longest lock": "{:.2f} s", "RMSE": "{:.4f}", "NEES": "{:.2f}"}
+    return ReportTable.of(forms, rows, left=2, title="Distance over that with the present estimates")
 
 
 def compare_table_1(found: Frame) -> ReportTable:

@@ -3,18 +3,19 @@
 Estimators of users run over them, too: a class in Python, or a prediction FMU in the extended Kalman filter.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 import xarray
 
 import railgrip.scenario
 from railgrip.base.errors import InputError
+from railgrip.base.tables import TomlTable
 from railgrip.controllers.observation import Observation
 from railgrip.estimation.sources import stop_read
 from railgrip.estimators.belief import Array, Vector
@@ -53,11 +54,11 @@ LENGTH: Final = 30
 _ROOT: Final = Path(railgrip.scenario.__file__).parent
 _TABLES: Final = read_toml(Path(__file__).parent / "library" / "recordings.toml")
 
-DEMANDS: Final[Mapping[str, Any]] = _TABLES["demands"]
+DEMANDS: Final[TomlTable] = _TABLES["demands"]
 """Demand of the driver → [demand] of the scenario: full brake, service steps, a release in between, and traction with
 coasting before the brake."""
 
-WORN: Final[Mapping[str, Any]] = _TABLES["worn"]
+WORN: Final[TomlTable] = _TABLES["worn"]
 """[sensors] of worn ones: twice the errors and the latency of equipment/service.toml, and fewer pulses."""
 
 INERTIAS: Final = (1.0, 0.9, 1.1)
@@ -137,8 +138,8 @@ def recording_cases(count: int, seed: int, train: str = "") -> tuple[RecordingCa
 
 
 def _on_train(stop: Case | TrackCase, fastest: float) -> Case | TrackCase:
-    changes: dict[str, Any] = {"train": ""} if isinstance(stop, TrackCase) else {}
-    return replace(stop, speed=min(stop.speed, fastest), **changes)
+    stop = replace(stop, train="") if isinstance(stop, TrackCase) else stop
+    return replace(stop, speed=min(stop.speed, fastest))
 
 
 @lru_cache(maxsize=16)  # a search of noises repeats the cases of a class of sensors
@@ -182,14 +183,14 @@ def scenario_of_case(case: RecordingCase) -> Scenario:
     return scenario_of(table, directory=_ROOT / "library", origin=case.stop.name)
 
 
-def _faults(case: RecordingCase) -> dict[str, Any]:
+def _faults(case: RecordingCase) -> TomlTable:
     """Return the tables of the faults; ideal actuation has neither valves nor an air supply that may fail."""
     rows = case.stop.fault_tables(case.groups).get("faults", ())
     kept = [row for row in rows if case.sensors != "ideal" or row["part"] not in ("valve", "supply")]
     return {"faults": kept} if kept else {}
 
 
-def _along(adhesion: dict[str, Any], case: RecordingCase) -> dict[str, Any]:
+def _along(adhesion: TomlTable, case: RecordingCase) -> TomlTable:
     """Return [adhesion] over time or distance; a second is the distance of half the speed at the start."""
     if case.over == "time" or "over" not in adhesion or isinstance(case.stop, TrackCase):
         return adhesion

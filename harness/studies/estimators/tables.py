@@ -1,7 +1,7 @@
 """Tables of the errors of estimators: leaderboard, claims, families, other targets, and other vehicles."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -39,76 +39,89 @@ SETTLED: Final = 0.5
 STATES: Final = ("group_adhesion", "pad_friction")
 
 
-def leaderboard(frame: Frame) -> ReportTable:
-    """Return the errors of adhesion of every estimator, the smallest median first.
-
-    Estimators are compared in the cases that all of them have; where one diverged, its error is infinite. Skill is 1
-    minus the mean squared error over that of the reference.
-
-    Args:
-        frame: A row for each estimator and case: `estimator`, `case`, and the errors of `judge.errors_of`, nested names
-            joined by a dot.
-    """
-    frame = on_common(frame.assign(error=_endless(frame)), "estimator", ["case"], "error")
-    rows: list[dict[str, Any]] = []
-    for name, count, median in rank(frame, "estimator", ["case"], "error")[["cases", "median"]].itertuples():
-        cases = frame[frame["estimator"] == name]
-        low, high = median_interval(cases["error"]) or (math.nan, math.nan)
-        rows.append(
-            {
-                "estimator": name,
-                "cases": count,
-                "median RMSE": median,
-                "from": low,
-                "to": high,
-                "bias": cases["bias"].median(),
-                "delay": cases["delay"].median(),
-                "after a step": cases["step_delay"].median(),
-                "over constant": skill(squares_of(frame, name, CONSTANT)),
-                "over force balance": skill(squares_of(frame, name, FORCE_BALANCE)),
-                "95 %": _interval(squares_of(frame, name, FORCE_BALANCE)),
-                "diverged": cases["diverged"].sum(),
-                "step": cases["microseconds"].median(),
-            }
-        )
-    forms: dict[str, Form] = {**dict.fromkeys(("median RMSE", "from", "to"), _error), "bias": "{:+.4f}"}
-    forms |= dict.fromkeys(("delay", "after a step"), "{:.2f} s")
-    forms |= dict.fromkeys(("over constant", "over force balance"), "{:.2f}") | {"step": "{:.0f} µs"}
-    return ReportTable(rows, forms, title="Adhesion")
-
-
 def _error(value: float) -> str:
     # The error of an estimator that diverged is infinite, so that it is the last; its cell is empty.
     return f"{value:.4f}" if math.isfinite(value) else ""
 
 
+RANKS: Final[Mapping[str, tuple[str, Form]]] = {
+    "estimator": ("estimator", ""),
+    "cases": ("cases", "{}"),
+    "median": ("median RMSE", _error),
+    "low": ("from", _error),
+    "high": ("to", _error),
+    "bias": ("bias", "{:+.4f}"),
+    "delay": ("delay", "{:.2f} s"),
+    "step_delay": ("after a step", "{:.2f} s"),
+    "over_constant": ("over constant", "{:.2f}"),
+    "over_force_balance": ("over force balance", "{:.2f}"),
+    "interval": ("95 %", ""),
+    "diverged": ("diverged", "{}"),
+    "microseconds": ("step", "{:.0f} µs"),
+}
+"""Column of `rank_estimators` → its title in the leaderboard, and its form."""
+
+
+def rank_estimators(frame: Frame) -> Frame:
+    """Return the errors of adhesion of every estimator in the columns of `RANKS`, the smallest median first.
+
+    Estimators are compared in the cases that all of them have; where one diverged, its error is infinite. Skill is 1
+    minus the mean squared error over that of the reference, and `interval` that of the skill over the force balance.
+
+    Args:
+        frame: A row for each estimator and case: `estimator`, `case`, and the fields of `CaseErrors`, nested names
+            joined by a dot.
+    """
+    frame = on_common(frame.assign(error=_endless(frame)), "estimator", ["case"], "error")
+    rows: list[tuple[str | float, ...]] = []
+    for name, count, median in rank(frame, "estimator", ["case"], "error")[["cases", "median"]].itertuples():
+        cases = frame[frame["estimator"] == name]
+        ends = median_interval(cases["error"]) or (math.nan, math.nan)
+        medians = (cases[figure].median() for figure in ("bias", "delay", "step_delay"))
+        over_balance = squares_of(frame, name, FORCE_BALANCE)
+        skills = (skill(squares_of(frame, name, CONSTANT)), skill(over_balance), _interval(over_balance))
+        effort = (cases["diverged"].sum(), cases["microseconds"].median())
+        rows.append((name, count, median, *ends, *medians, *skills, *effort))
+    return pandas.DataFrame(rows, columns=list(RANKS), dtype=object)
+
+
+def leaderboard(ranked: Frame) -> ReportTable:
+    """Return ranked estimators as a table."""
+    return ReportTable.of(dict(RANKS.values()), ranked.itertuples(index=False), title="Adhesion")
+
+
 def consistency(frame: Frame) -> ReportTable:
     """Return coverage, width, NEES and NIS with quantiles over the cases in which all that claim a deviation do so."""
-    rows: list[dict[str, Any]] = []
-    for (name,), cases in groups_of(on_common(frame, "estimator", ["case"], "nees"), ["estimator"]):
-        quantiles = np.quantile(cases["nees"], (0.1, 0.5, 0.9)).tolist()
-        rows.append(
-            {"estimator": name, "coverage": cases["coverage.adhesion"].mean(), "width": cases["width"].median()}
-            | dict(zip(("NEES 10 %", "NEES 50 %", "NEES 90 %"), quantiles, strict=True))
-            | {"NIS": cases["nis"].median(), "lost": cases["lost"].mean(), "admitted": cases["admitted"].median()}
+    rows = [
+        (
+            name,
+            cases["coverage.adhesion"].mean(),
+            cases["width"].median(),
+            *np.quantile(cases["nees"], (0.1, 0.5, 0.9)).tolist(),
+            cases["nis"].median(),
+            cases["lost"].mean(),
+            cases["admitted"].median(),
         )
-    forms = {"coverage": "{:.2f}", "width": "{:.4f}", "NIS": "{:.2g}", "lost": share, "admitted": share}
-    return ReportTable(rows, forms | dict.fromkeys(("NEES 10 %", "NEES 50 %", "NEES 90 %"), "{:.2g}"), title="Claims")
+        for (name,), cases in groups_of(on_common(frame, "estimator", ["case"], "nees"), ["estimator"])
+    ]
+    forms: dict[str, Form] = {"estimator": "", "coverage": "{:.2f}", "width": "{:.4f}"}
+    forms |= dict.fromkeys(("NEES 10 %", "NEES 50 %", "NEES 90 %", "NIS"), "{:.2g}")
+    forms |= dict.fromkeys(("lost", "admitted"), share)
+    return ReportTable.of(forms, rows, title="Claims")
 
 
 def others(frame: Frame) -> ReportTable:
     """Return errors and coverage of pad friction and speed, and the skill of pad friction over the constant."""
-    rows = {name: {"estimator": name} for name in frame["estimator"].unique()}
-    for target, title in (("pad_friction", "pad friction"), ("speed", "speed")):
-        common = on_common(frame, "estimator", ["case"], f"rmse.{target}").groupby("estimator")
-        for name, row in rows.items():
-            row[f"{title} RMSE"] = common[f"rmse.{target}"].median().get(name)
-            row[f"{title} coverage"] = common[f"coverage.{target}"].mean().get(name)
-    for name, row in rows.items():
-        row["pads over constant"] = skill(squares_of(frame, name, CONSTANT, "pad_friction"))
-    forms = {"pad friction RMSE": "{:.4f}", "speed RMSE": "{:.3f} m/s"}
-    shares = ("pad friction coverage", "speed coverage", "pads over constant")
-    return ReportTable(list(rows.values()), forms | dict.fromkeys(shares, "{:.2f}"))
+    names = frame["estimator"].unique()
+    columns = [names]
+    for target in ("pad_friction", "speed"):
+        cases = on_common(frame, "estimator", ["case"], f"rmse.{target}").groupby("estimator")
+        for figure in (cases[f"rmse.{target}"].median(), cases[f"coverage.{target}"].mean()):
+            columns.append([figure.get(name) for name in names])
+    columns.append([skill(squares_of(frame, name, CONSTANT, "pad_friction")) for name in names])
+    forms = {"estimator": "", "pad friction RMSE": "{:.4f}", "pad friction coverage": "{:.2f}"}
+    forms |= {"speed RMSE": "{:.3f} m/s", "speed coverage": "{:.2f}", "pads over constant": "{:.2f}"}
+    return ReportTable.of(forms, zip(*columns, strict=True))
 
 
 def available(frame: Frame) -> ReportTable:
@@ -117,25 +130,23 @@ def available(frame: Frame) -> ReportTable:
     Errors are root mean squares over the cases of those where an estimator knows it; the references are judged there
     too.
     """
-    errors = {
-        "available.rmse": "RMSE",
-        "available.recent": "RMSE of the last second",
-        "available.constant": "RMSE of the constant",
-    }
-    rows: list[dict[str, Any]] = []
+    rows: list[tuple[str | float, ...]] = []
     for (name,), cases in groups_of(frame, ["estimator"]):
-        squares = _finite(cases[list(errors)])
+        squares = _finite(cases[["available.rmse", "available.recent", "available.constant"]])
         if squares.size:
-            roots = np.sqrt(np.mean(squares, axis=0)).tolist()
+            own, *of_references = np.sqrt(np.mean(squares, axis=0)).tolist()
             known, bias, covered = (cases[f"available.{figure}"].mean() for figure in ("known", "bias", "coverage"))
-            own, *of_references = zip(errors.values(), roots, strict=True)
-            rows.append(
-                {"estimator": name, "known": known}
-                | dict([own, ("bias", bias), ("coverage", covered), *of_references])
-                | {"over the last second": skill(squares[:, :2]), "95 %": _interval(squares[:, :2])}
-            )
-    forms = {"known": share, "bias": "{:+.4f}", "coverage": "{:.2f}", "over the last second": "{:.2f}"}
-    return ReportTable(rows, forms | dict.fromkeys(errors.values(), "{:.4f}"), title="Available adhesion")
+            gain = squares[:, :2]
+            rows.append((name, known, own, bias, covered, *of_references, skill(gain), _interval(gain)))
+    forms: dict[str, Form] = {
+        "estimator": "",
+        "known": share,
+        "RMSE": "{:.4f}",
+        "bias": "{:+.4f}",
+        "coverage": "{:.2f}",
+    }
+    forms |= dict.fromkeys(("RMSE of the last second", "RMSE of the constant"), "{:.4f}")
+    return ReportTable.of(forms | {"over the last second": "{:.2f}", "95 %": ""}, rows, title="Available adhesion")
 
 
 def by_family(frame: Frame, measure: Measure = "rmse") -> ReportTable:
@@ -149,12 +160,13 @@ def by_family(frame: Frame, measure: Measure = "rmse") -> ReportTable:
     cases = frame.drop_duplicates("case").set_index("case")
     middle = "median" if measure == "rmse" else "mean"
     rows = [
-        {"family": family, "cases": len(inside), **{name: getattr(inside[name], middle)() for name in inside}}
+        (family, len(inside), *(getattr(inside[name], middle)() for name in inside))
         for field in FAMILIES
         for family, inside in errors.groupby(cases[field])
     ]
     form, title = (_error, "Median RMSE") if measure == "rmse" else ("{:.2f}", "Coverage")
-    return ReportTable(rows, dict.fromkeys(errors, form), ("family",), title=f"{title} by family")
+    forms = {"family": "", "cases": "{}", **dict.fromkeys(errors, form)}
+    return ReportTable.of(forms, rows, title=f"{title} by family")
 
 
 def pads_by_group(frame: Frame, bounds: Sequence[CaseBound]) -> ReportTable:
@@ -182,28 +194,30 @@ def skill_of_groups(own: Frame, reference: Frame) -> list[float]:
     return [skill(_finite(np.column_stack(pair))) for pair in groups]
 
 
-def targets(frame: Frame, bound: float) -> ReportTable:
+def targets(frame: Frame, ranked: Frame, bound: float) -> ReportTable:
     """Return the targets and the values of the estimator on board with the smallest median RMSE.
 
     Args:
-        frame: As for `leaderboard`.
+        frame: As for `rank_estimators`, which returns `ranked`.
+        ranked: Estimators, the smallest error first.
         bound: Median over the cases of the Cramér-Rao bound of adhesion for the prediction of `fmu`.
     """
-    rows = {str(row["estimator"]): row for row in leaderboard(frame).rows}
-    name = next(each for each in rows if not entry_of(each).is_reference and entry_of(each).later == 0)
+    by_name = ranked.set_index("estimator")
+    name = next(each for each in by_name.index if not entry_of(each).is_reference and entry_of(each).later == 0)
+    best = by_name.loc[name]
     coverage = [row[name] for row in by_family(frame, "coverage").rows if name in row]
     own, constant = (frame[frame["estimator"] == each] for each in (name, CONSTANT))
     groups = [math.nan, *skill_of_groups(own, constant)]
-    ratio = rows["fmu"]["median RMSE"] / bound if "fmu" in rows else math.nan
-    found = [
+    ratio = by_name.loc["fmu", "median"] / bound if "fmu" in by_name.index else math.nan
+    values = [
         ("RMSE of fmu over the bound", "at most 1.2", ratio),
-        ("skill over the force balance", "at least 0.6", rows[name]["over force balance"]),
+        ("skill over the force balance", "at least 0.6", best["over_force_balance"]),
         ("lowest coverage of a family", "at least 0.90", min(coverage, default=math.nan)),
         ("highest coverage of a family", "at most 0.98", max(coverage, default=math.nan)),
         ("lowest skill of the pads of a group over the constant, where identifiable", "above 0", np.nanmin(groups)),
-        ("processor time of a step [µs]", "at most 15", rows[name]["step"]),
+        ("processor time of a step [µs]", "at most 15", best["microseconds"]),
     ]
-    return ReportTable.of(("target", "required", name), found, "{:.2f}", left=2, title="Targets")
+    return ReportTable.of(("target", "required", name), values, "{:.2f}", left=2, title="Targets")
 
 
 def skill(squares: Matrix) -> float:
@@ -240,7 +254,12 @@ def _finite(errors: Any) -> Matrix:
     return squares[np.isfinite(squares).all(axis=1)]
 
 
-def rows_of_estimation(name: str) -> list[dict[str, Any]]:
+OTHERS: Final = ("family", "estimator", "quantity", "RMSE", "bound", "coverage", "NEES")
+"""Columns of the errors of filters of other vehicles: the root mean square error of a quantity and that of its bound,
+the share of errors within the claimed 95 % interval, and their mean square over the claimed variance."""
+
+
+def errors_of_estimation(name: str) -> Frame:
     """Return the errors of `KINDS` on the recording of an estimation of the library, a row for each state.
 
     The bound is that of the prediction linearised along the true states, with the noises of the estimation and without
@@ -255,7 +274,7 @@ def rows_of_estimation(name: str) -> list[dict[str, Any]]:
     truth = np.column_stack([truth_of(recording, state) for state in names])
     judged = recording["time"].values >= SETTLED
     smallest = np.sqrt(bound_along(context, data, truth))
-    rows: list[dict[str, Any]] = []
+    rows: list[dict[str, str | float]] = []
     for kind in KINDS:
         run = run_kind(kind, context, data)
         for state in STATES:
@@ -263,10 +282,10 @@ def rows_of_estimation(name: str) -> list[dict[str, Any]]:
             error, deviation = (run.mean - truth)[judged][:, of], np.sqrt(run.variance)[judged][:, of]
             about = {"family": name, "estimator": kind, "quantity": state, "bound": rms(smallest[judged][:, of])}
             rows.append(about | error_figures(error, deviation))
-    return rows
+    return pandas.DataFrame(rows, columns=list(OTHERS))
 
 
-def rows_of_lateral(seed: int) -> list[dict[str, Any]]:
+def errors_of_lateral(seed: int) -> Frame:
     """Return the errors of friction of the lateral filters in the first test of the study, on the plant of the paper.
 
     The bound is that of each filter's own prediction, without and with the creep stiffness.
@@ -274,19 +293,17 @@ def rows_of_lateral(seed: int) -> list[dict[str, Any]]:
     case = LateralCase(test=TESTS[0], speed=20.0, plant="paper", seed=seed)
     trace = simulate(case, STIFFNESS_NAMES)
     judged = trace.time >= SETTLED
-    rows: list[dict[str, Any]] = []
+    rows: list[dict[str, str | float]] = []
     for name in STIFFNESS_NAMES:
         belief = beliefs_about(trace, name)["friction"]
         smallest = beliefs_about(replace(trace, beliefs={name: bound_of_run(case, name)}), name)["friction"].deviation
         error = (belief.mean - trace.truth["friction"])[judged]
         about = {"family": "lateral", "estimator": name, "quantity": "friction", "bound": rms(smallest[judged])}
         rows.append(about | error_figures(error, belief.deviation[judged]))
-    return rows
+    return pandas.DataFrame(rows, columns=list(OTHERS))
 
 
-def vehicles(rows: Sequence[dict[str, Any]]) -> ReportTable:
+def vehicles(frame: Frame) -> ReportTable:
     """Return the errors of all families as a table."""
-    columns = ["family", "estimator", "quantity", "RMSE", "bound", "coverage", "NEES"]
-    frame = pandas.DataFrame(list(rows), columns=columns)
     forms = {"RMSE": "{:.4f}", "bound": "{:.4f}", "coverage": "{:.2f}", "NEES": "{:.2g}"}
-    return ReportTable.of_frame(frame, forms, ("family", "estimator", "quantity"), title="Other vehicles")
+    return ReportTable.of_frame(frame, forms, OTHERS[:3], title="Other vehicles")
