@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats.qmc import Sobol
 
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import GRAVITY
 
 KMH: Final = 3.6
@@ -45,11 +46,11 @@ GRADIENTS: Final = MappingProxyType({"level": 0.0, "falling": -0.25, "climbing":
 STEEPEST: Final = 0.025
 
 
-def _fault(part: str, kind: str, **more: Any) -> Mapping[str, Any]:
+def _fault(part: str, kind: str, **more: Any) -> TomlTable:
     return {"faults": [{"part": part, "kind": kind, **more}]}
 
 
-FAULTS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
+FAULTS: Final[Mapping[str, TomlTable]] = MappingProxyType(
     {
         "none": {},
         "radar 1 % high": _fault("radar", "scaled", value=1.01),
@@ -126,7 +127,7 @@ class Case:
             "gradient": f"{1000 * self.slope:+.0f} ‰" if self.slope else "level",
         }
 
-    def tables(self, groups: int) -> dict[str, Any]:
+    def tables(self, groups: int) -> TomlTable:
         """Return the overrides for the scenario of a train with a number of groups."""
         radii = RADII[self.radius]
         truth = {
@@ -143,11 +144,11 @@ class Case:
             "limits": {"horizon": self.horizon},
         }
 
-    def fault_tables(self, groups: int) -> Mapping[str, Any]:
+    def fault_tables(self, groups: int) -> TomlTable:
         """Return the tables of its fault."""
         return FAULTS[self.fault]
 
-    def _adhesion(self) -> dict[str, Any]:
+    def _adhesion(self) -> TomlTable:
         # Patches and noise reach all wheelsets at once, unlike on a real rail. This favours control that compares
         # neighbouring groups.
         mean, draw = self.friction, self.lot % 1000 / 1000

@@ -19,6 +19,7 @@ from railgrip.base import registry
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.files import LARGEST_TABLE, read_bytes
 from railgrip.base.names import did_you_mean
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import cut
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
@@ -54,7 +55,7 @@ class Entrant(Table):
     hand_trials: StrictInt | None = Field(default=None, description="sets tried by hand; not counted without it")
 
     @property
-    def tables(self) -> dict[str, Any]:
+    def tables(self) -> TomlTable:
         """Tables that override those of a case."""
         return dict(self.model_extra or {})
 
@@ -70,7 +71,7 @@ def entrants(version: int = 1) -> dict[str, Entrant]:
     return dict(sorted(all_of_them.items(), key=lambda item: get_args(Role).index(item[1].role)))
 
 
-def _table_in(version: int, *, version_2: Mapping[str, Any] | None = None, **table: Any) -> dict[str, Any]:
+def _table_in(version: int, *, version_2: TomlTable | None = None, **table: Any) -> TomlTable:
     """Return the table of an entrant with those that override it in a version."""
     return merge(table, version_2 or {}) if version == 2 else table
 
@@ -127,16 +128,16 @@ def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, E
     )
 
 
-def _read(path: Path) -> dict[str, Any]:
+def _read(path: Path) -> TomlTable:
     tables = read_scenario(path)
     return OtherFileString.within(tables.table, tables.directory.resolve())
 
 
-def _entrant_of(description: str, tables: Mapping[str, Any]) -> Entrant:
+def _entrant_of(description: str, tables: TomlTable) -> Entrant:
     return Entrant.model_validate({"description": description, "role": "entrant", **tables})
 
 
-def train_of(argument: str | None) -> dict[str, Any]:
+def train_of(argument: str | None) -> TomlTable:
     """Return the tables of a train with valves and service sensors.
 
     The train is built-in, a recipe, an FMU, that of a scenario, or one in a train file, for the decentralised filter.
@@ -170,7 +171,7 @@ def train_of(argument: str | None) -> dict[str, Any]:
     )
 
 
-def task_of(path: Path) -> dict[str, Any]:
+def task_of(path: Path) -> TomlTable:
     """Return the tables of a scenario that override those of every case: [demand], and the cleaning of the rail.
 
     Raises:
@@ -198,7 +199,7 @@ def training_cases(count: int, version: int = 1) -> list[AnyCase]:
     return [replace(case, speed=min(case.speed, _TRAINING_SPEED)) for case in cases]
 
 
-def trains_of(design: Iterable[AnyCase]) -> dict[str, dict[str, Any]]:
+def trains_of(design: Iterable[AnyCase]) -> dict[str, TomlTable]:
     """Return the tables of the trains of the library that cases name, by name."""
     return {name: train_of(name) for name in sorted({case.train for case in design} - {""})}
 
@@ -221,10 +222,10 @@ def training(count: int, version: int = 1) -> tuple[PlannedStop, ...]:
 def campaign_of(
     design: Iterable[AnyCase],
     taking_part: Mapping[str, Entrant],
-    train: Mapping[str, Any],
+    train: TomlTable,
     *,
-    trains: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
-    task: Mapping[str, Any] | None = None,
+    trains: Mapping[str, TomlTable] = MappingProxyType({}),
+    task: TomlTable | None = None,
     keep_traces: bool = False,
 ) -> Campaign:
     """Return the stops of a type test: each case with each entrant.

@@ -8,15 +8,16 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import pandas
 
 from railgrip.base import registry
+from railgrip.base.groups import gather
 from railgrip.report.frame import Frame, groups_of
 from railgrip.report.statistics import endless, quantile
 from railgrip.report.table import ReportTable, names, share
-from railgrip.studies.type_test.stop_frames import EQUAL, over_best, statistics_of
+from railgrip.studies.type_test.stop_frames import EQUAL, Interval, Statistics, over_best, statistics_of
 from railgrip.studies.type_test.track_case import BY_THE_CURVE, TABLE_1
 
 AXES: Final = ("curve", "over", "rail", "cleaning", "passage", "number of faults", "train", "mechanics")
@@ -25,24 +26,22 @@ AXES: Final = ("curve", "over", "rail", "cleaning", "passage", "number of faults
 FEWEST: Final = 5
 """Minimum number of compared cases of a family in which a controller can be said to lose."""
 
-Interval = tuple[float | None, float | None]
+COLUMNS: Final = ("axis", "value", "controller", "lost", *Statistics._fields)
+"""Columns of `families`; `lost` is the share of the compared cases in which a controller is longer than the best
+baseline, None without a comparison."""
 
 
 def families(stops: Frame) -> Frame:
-    """Return a row for each controller in the cases of one value of one axis, in the order of `AXES`.
-
-    Columns: `axis`, `value` and `controller`; those of `judge.statistics_of`; and `lost`, the share of the compared
-    cases in which it is longer than the best baseline, None without a comparison.
-    """
-    rows: list[dict[str, Any]] = []
+    """Return a row for each controller in the cases of one value of one axis, in the order of `AXES`."""
+    rows: list[tuple[object, ...]] = []
     for axis in AXES:
         of_axis = stops.assign(value=[variants.get(axis) for variants in stops["variants"]])
         of_axis = of_axis.dropna(subset="value").sort_values("value", kind="stable")
         for (value, controller), own in groups_of(of_axis, ("value", "controller")):
             ratios = over_best(own)
             lost = float((ratios > 1.0 + EQUAL).mean()) if len(ratios) else None
-            rows.append({"axis": axis, "value": value, "controller": controller, "lost": lost} | statistics_of(own))
-    return pandas.DataFrame(rows, dtype=object)
+            rows.append((axis, value, controller, lost, *statistics_of(own)))
+    return pandas.DataFrame(rows, columns=list(COLUMNS), dtype=object)
 
 
 def losses(rows: Frame, board: Frame) -> ReportTable:
@@ -52,8 +51,7 @@ def losses(rows: Frame, board: Frame) -> ReportTable:
     Families with fewer than `FEWEST` compared cases do not count.
     """
     by_controller = {
-        name: list(own.itertuples())
-        for (name,), own in groups_of(rows[rows["compared"] >= FEWEST] if len(rows) else rows, ("controller",))
+        name: list(own.itertuples()) for (name,), own in groups_of(rows[rows["compared"] >= FEWEST], ("controller",))
     }
     table = [
         {
@@ -87,14 +85,14 @@ def by_axis(rows: Frame, board: Frame) -> dict[str, ReportTable]:
     """Return a table for each axis: median and 95 % quantile of each controller in each family."""
     tables: dict[str, ReportTable] = {}
     for (axis,), of_axis in groups_of(rows, ("axis",)):
-        cells: dict[str, dict[str, object]] = {}
+        cells: dict[str, dict[str, str]] = {}
         counts = dict(zip(of_axis["value"], of_axis["compared"], strict=True))
         for row in of_axis.itertuples():
             text = f"{with_interval(row.median)} / {with_interval(row.p95)}" if row.compared else ""
             of_controller = cells.setdefault(row.controller, {"controller": row.controller})
             of_controller[f"{row.value} ({counts[row.value]})"] = text
-        order = [name for name in board["controller"] if name in cells]
         columns = max(cells.values(), key=len)
+        order = [name for name in board["controller"] if name in cells]
         filled = [{name: cells[controller].get(name, "") for name in columns} for controller in order]
         tables[axis] = ReportTable(filled, left=("controller",))
     return tables
@@ -166,19 +164,25 @@ def _rows_of_laws(stops: Frame) -> Frame:
     return stops[~stops["controller"].isin([*registry.ANALYSES, "full_brake"])]
 
 
-def _laws(stops: Frame) -> dict[str, dict[str, Any]]:
-    """Return law → case → row of its judged stop."""
+class _Judged(NamedTuple):
+    distance: float
+    variants: Mapping[str, str]
+
+
+def _laws(stops: Frame) -> dict[str, dict[str, _Judged]]:
+    """Return law → case → distance [m] and variants of its judged stop."""
     laws = groups_of(_rows_of_laws(stops), ("controller",))
-    return {law: {row.case: row for row in own.itertuples()} for (law,), own in laws}
+    return {law: {row.case: _Judged(row.distance_m, row.variants) for row in own.itertuples()} for (law,), own in laws}
 
 
-def _families(stops: Mapping[str, Any], *, small: bool = False) -> dict[str, list[str]]:
+def _families(stops: Mapping[str, _Judged], *, small: bool = False) -> dict[str, list[str]]:
     """Return the cases of each family that has `FEWEST` cases or is that of Table 1, or of each smaller one."""
-    families: dict[str, list[str]] = {}
-    for axis in AXES:
-        for name, stop in stops.items():
-            if axis in stop.variants:
-                families.setdefault(f"{axis}: {stop.variants[axis]}", []).append(name)
+    families = gather(
+        (f"{axis}: {stop.variants[axis]}", name)
+        for axis in AXES
+        for name, stop in stops.items()
+        if axis in stop.variants
+    )
     return {family: cases for family, cases in families.items() if _counts(family, len(cases)) != small}
 
 
@@ -186,10 +190,10 @@ def _counts(family: str, cases: int) -> bool:
     return cases >= FEWEST or family == f"rail: {TABLE_1}"
 
 
-def _ratio(one: Any, other: Any) -> float:
-    if math.isnan(one.distance_m):
-        return 1.0 if math.isnan(other.distance_m) else math.inf
-    return 0.0 if math.isnan(other.distance_m) else one.distance_m / other.distance_m
+def _ratio(one: _Judged, other: _Judged) -> float:
+    if math.isnan(one.distance):
+        return 1.0 if math.isnan(other.distance) else math.inf
+    return 0.0 if math.isnan(other.distance) else one.distance / other.distance
 
 
 def losses_of(law: str, stops: Frame, *, small: bool = False) -> list[FamilyLoss]:
@@ -309,7 +313,7 @@ def recommendation(stops: Frame) -> ReportTable:
     """
     compared = _rows_of_laws(stops[stops["best_m"].notna()])
     compared = compared.assign(rail=[rail_of(variants) for variants in compared["variants"]])
-    rows: list[dict[str, object]] = []
+    rows: list[tuple[str | int, ...]] = []
     for (kind,), of_kind in groups_of(compared, ("rail",)):
         count = of_kind["case"].nunique()
         ratios: list[tuple[float, str, str]] = []
@@ -319,10 +323,8 @@ def recommendation(stops: Frame) -> ReportTable:
                 levels = [quantile(values, share) for share in (0.5, 0.95, 1.0)]
                 text = " / ".join("no stop" if math.isinf(value) else f"{value:.3f}" for value in levels)
                 ratios.append((levels[0], law, text))
-        row: dict[str, object] = {"rail": kind, "cases": count, "laws": len(ratios)}
-        for place, (_, law, text) in zip(("shortest", "second", "third")[:_LISTED], sorted(ratios), strict=False):
-            row[place] = f"{law}: {text}"
-        rows.append(row)
-    rows.sort(key=lambda row: (TABLE_1 in str(row["rail"]), str(row["rail"])))
+        places = [f"{law}: {text}" for _, law, text in sorted(ratios)[:_LISTED]]
+        rows.append((kind, count, len(ratios), *places, *[""] * (_LISTED - len(places))))
+    rows.sort(key=lambda row: (TABLE_1 in str(row[0]), str(row[0])))
     columns = ("rail", "cases", "laws", "shortest", "second", "third")
-    return ReportTable([{name: row.get(name, "") for name in columns} for row in rows], left=columns[:1] + columns[3:])
+    return ReportTable.of(columns, rows, left=columns[:1] + columns[3:])

@@ -1,8 +1,8 @@
 """The page of a type test: leaderboard, clauses, rankings, worst cases and figures, as views of the judged stops."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any, Final, TypedDict
 
 import numpy as np
 import pandas
@@ -10,12 +10,13 @@ from matplotlib.figure import Figure
 from scipy.ndimage import median_filter
 
 from railgrip.base import registry
+from railgrip.base.arrays import Vector
 from railgrip.report import palette, style
 from railgrip.report.frame import Frame
 from railgrip.report.limits import AssessmentLimits
 from railgrip.report.page import Page
 from railgrip.report.statistics import on_common
-from railgrip.report.table import ReportTable, names, percent, share
+from railgrip.report.table import Form, ReportTable, names, percent, share
 from railgrip.studies.type_test.design import VALIDATION_SEED
 from railgrip.studies.type_test.entrants import Entrant
 from railgrip.studies.type_test.family import (
@@ -77,7 +78,7 @@ def page_of(
         stops, shipped = pandas.concat([found, others] if len(found) else [others]), set(others["controller"])
     stops = judgements(stops, taking_part, limits, only_tuned=version == 1)
     board, unranked = ranked(stops, taking_part, candidates)
-    of_ranked = stops[stops["controller"].isin(board["controller"] if len(board) else [])]
+    of_ranked = stops[stops["controller"].isin(board["controller"])]
     lines, variants_of = _lines(board, candidates), dict(zip(stops["case"], stops["variants"], strict=True))
     drawings = {
         "figures/ratios.png": (
@@ -87,8 +88,8 @@ def page_of(
         "figures/utilisation.png": ("Use of the adhesion there was, by creep curve", _by_curve(stops, list(lines))),
         "figures/friction.png": ("Distance over the ideal bound against friction", _over_friction(stops, lines)),
     }
-    leaders, rows = leaderboard(board), families(stops) if version > 1 else board.head(0)
-    laws = board[~board["controller"].isin(list(registry.ANALYSES))] if len(board) else board
+    leaders, rows = leaderboard(board), families(stops if version > 1 else stops.head(0))
+    laws = board[~board["controller"].isin(list(registry.ANALYSES))]
     return Page(
         title="Type test of wheel-slide protection",
         question=f"{f'How does {names(candidates)} compare with' if candidates else 'Which is the shortest of'} the "
@@ -176,60 +177,66 @@ def compare_controllers(stops: Frame, against: str) -> ReportTable:
     """
     by_controller = {name: own.set_index("case")["distance_m"] for name, own in stops.groupby("controller", sort=False)}
     reference = by_controller.pop(against, pandas.Series(dtype=float))
-    rows: list[dict[str, object]] = []
+    rows: list[tuple[str | float, ...]] = []
     for name, own in by_controller.items():
         pairs = pandas.concat([own, reference], axis=1, join="inner").dropna().to_numpy()
-        if not pairs.size:
-            continue
-        ratios, metres = pairs[:, 0] / pairs[:, 1], pairs[:, 0] - pairs[:, 1]
-        rows.append(
-            {
-                "controller": name,
-                "both stop": len(pairs),
-                "shorter": int(np.sum(ratios < 1 - EQUAL)),
-                "longer": int(np.sum(ratios > 1 + EQUAL)),
-                **{what: of(ratios) for what, of in _OF_RATIOS.items()},
-                **{what: of(metres) for what, of in _OF_METRES.items()},
-            }
-        )
-    forms = dict.fromkeys(_OF_RATIOS, "{:.3f}") | dict.fromkeys(_OF_METRES, "{:+.1f} m")
-    return ReportTable(rows, forms, ("controller",), f"Distance over that of {against}, case by case")
+        if pairs.size:
+            ratios, metres = pairs[:, 0] / pairs[:, 1], pairs[:, 0] - pairs[:, 1]
+            counts = (int(np.sum(ratios < 1 - EQUAL)), int(np.sum(ratios > 1 + EQUAL)))
+            figures = (*(of(ratios) for of in _OF_RATIOS.values()), *(of(metres) for of in _OF_METRES.values()))
+            rows.append((name, len(pairs), *counts, *figures))
+    forms = dict.fromkeys(("controller", "both stop", "shorter", "longer"), "{}")
+    forms |= dict.fromkeys(_OF_RATIOS, "{:.3f}") | dict.fromkeys(_OF_METRES, "{:+.1f} m")
+    return ReportTable.of(forms, rows, title=f"Distance over that of {against}, case by case")
 
 
-_OF_RATIOS: Final[Mapping[str, Any]] = {"least": np.min, "median": np.median, "mean": np.mean, "most": np.max}
-_OF_METRES: Final[Mapping[str, Any]] = {"shortened most": np.min, "in the mean": np.mean, "lengthened most": np.max}
+_Statistics = Mapping[str, Callable[[Vector], float]]
+_OF_RATIOS: Final[_Statistics] = {
+    "least": np.min,
+    "median": np.median,
+    "mean": np.mean,
+    "most": np.max,
+}
+_OF_METRES: Final[_Statistics] = {
+    "shortened most": np.min,
+    "in the mean": np.mean,
+    "lengthened most": np.max,
+}
 """Column → statistic over the cases."""
 
 
 def leaderboard(board: Frame) -> ReportTable:
     """Return the controllers, shortest first."""
     rows = [
-        {
-            "controller": summary.controller,
-            "stops": summary.stops,
-            "compared": f"{summary.compared} of {summary.cases}",
-            "median": with_interval(summary.median, summary.median_interval, ""),
-            "95 %": with_interval(summary.p95, summary.p95_interval, "" if summary.median is None else "no stop"),
-            "worst": "no stop" if summary.worst is None and summary.median is not None else summary.worst,
-            "over bound": summary.over_bound,
-            "utilisation": summary.utilisation,
-            "longest lock": summary.longest_lock_s,
-            "air": summary.air,
-            "strokes": summary.strokes,
-            "NEES (10 – 90 %)": ""
-            if summary.nees is None
-            else f"{summary.nees:.2g} ({summary.nees_low:.2g} – {summary.nees_high:.2g})",
-            "K_wet (10 %)": ""
+        (
+            summary.controller,
+            summary.stops,
+            f"{summary.compared} of {summary.cases}",
+            with_interval(summary.median, summary.median_interval, ""),
+            with_interval(summary.p95, summary.p95_interval, "" if summary.median is None else "no stop"),
+            "no stop" if summary.worst is None and summary.median is not None else summary.worst,
+            summary.over_bound,
+            summary.utilisation,
+            summary.longest_lock_s,
+            summary.air,
+            summary.strokes,
+            "" if summary.nees is None else f"{summary.nees:.2g} ({summary.nees_low:.2g} – {summary.nees_high:.2g})",
+            ""
             if summary.k_wet is None
             else f"{summary.k_wet:.2f}"
             + ("" if summary.k_wet_low is None else f" [{summary.k_wet_low:.2f}, {summary.k_wet_high:.2f}]"),
-        }
+        )
         for summary in board.itertuples()
     ]
-    forms = dict.fromkeys(("worst", "over bound", "air", "strokes"), "{:.3f}")
-    return ReportTable(
-        rows, forms | {"stops": share, "utilisation": "{:.2f}", "longest lock": "{:.2f} s"}, ("controller",)
-    )
+    return ReportTable.of(_LEADERBOARD, rows)
+
+
+_LEADERBOARD: Final[Mapping[str, Form]] = {
+    "controller": "", "stops": share, "compared": "", "median": "", "95 %": "", "worst": "{:.3f}",
+    "over bound": "{:.3f}", "utilisation": "{:.2f}", "longest lock": "{:.2f} s", "air": "{:.3f}", "strokes": "{:.3f}",
+    "NEES (10 – 90 %)": "", "K_wet (10 %)": "",
+}  # fmt: skip
+"""Column of the leaderboard → its form."""
 
 
 def _controllers(
@@ -237,31 +244,29 @@ def _controllers(
 ) -> ReportTable:
     """Return a description of each controller, and whether its stops were run or come with the package."""
 
-    def trials(name: str) -> dict[str, object]:
+    def trials(name: str) -> int | str:
         count = taking_part[name].hand_trials
-        is_law = name not in registry.ANALYSES
-        return {"sets tried by hand": count if count is not None else "not counted" if is_law else ""}
+        return count if count is not None else "" if name in registry.ANALYSES else "not counted"
 
     rows = [
-        {
-            "controller": summary.controller,
-            "description": summary.description,
-            "parameters searched": "yes" if summary.tuned else "",
-            **(trials(summary.controller) if version > 1 else {}),
-            "results": "shipped" if summary.controller in from_package else "run here",
-        }
+        (
+            summary.controller,
+            summary.description,
+            "yes" if summary.tuned else "",
+            trials(summary.controller),
+            "shipped" if summary.controller in from_package else "run here",
+        )
         for summary in board.itertuples()
     ]
-    return ReportTable(rows, left=("controller", "description", "parameters searched", "results"))
+    by_hand, left = "sets tried by hand", ("controller", "description", "parameters searched", "results")
+    table = ReportTable.of((*left[:3], by_hand, left[3]), rows, left=left)
+    return table if version > 1 else table.without([by_hand])
 
 
 def clauses(board: Frame, limits: AssessmentLimits) -> ReportTable:
     """Return the share of cases in which each controller keeps each clause."""
-    rows = [
-        {"controller": summary.controller} | {_heading(clause, limits): summary.kept[clause] for clause in JUDGED}
-        for summary in board.itertuples()
-    ]
-    return ReportTable(rows, {_heading(clause, limits): share for clause in JUDGED})
+    rows = [(summary.controller, *(summary.kept[clause] for clause in JUDGED)) for summary in board.itertuples()]
+    return ReportTable.of({"controller": ""} | {_heading(clause, limits): share for clause in JUDGED}, rows)
 
 
 _LIMITS: Final[Mapping[str, tuple[str, float, str]]] = {
@@ -370,22 +375,24 @@ def _distance_or_outcome(stops: Frame) -> Frame:
     return stops["distance_m"].astype(object).where(stops["distance_m"].notna(), stops["outcome"])
 
 
-def _lines(board: Frame, candidates: Sequence[str]) -> dict[str, dict[str, Any]]:
-    colours = [colour for colour in palette.LINES if colour != palette.BLACK]
-    return {
-        summary.controller: {"color": palette.BLACK, "linestyle": "-", "linewidth": 3.0, "label": summary.controller}
-        if summary.controller in candidates
-        else {
-            "color": colours[n % len(colours)],
-            "linestyle": ("-", "--", ":")[n // len(colours) % 3],
-            "linewidth": 1.2,
-            "label": summary.controller,
-        }
-        for n, summary in enumerate(board.itertuples())
-    }
+class _Line(TypedDict):
+    color: str
+    linestyle: str
+    linewidth: float
+    label: str
 
 
-def _ratios(stops: Frame, lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
+def _lines(board: Frame, candidates: Sequence[str]) -> dict[str, _Line]:
+    colours, dashes = [colour for colour in palette.LINES if colour != palette.BLACK], ("-", "--", ":")
+    lines: dict[str, _Line] = {}
+    for n, name in enumerate(board["controller"]):
+        colour, dash = colours[n % len(colours)], dashes[n // len(colours) % 3]
+        colour, dash, width = (palette.BLACK, "-", 3.0) if name in candidates else (colour, dash, 1.2)
+        lines[name] = {"color": colour, "linestyle": dash, "linewidth": width, "label": name}
+    return lines
+
+
+def _ratios(stops: Frame, lines: Mapping[str, _Line]) -> Figure | None:
     if not stops["over_best"].count():
         return None
     figure = style.figure(9.5, 4.5)
@@ -423,7 +430,7 @@ def _by_curve(stops: Frame, controllers: Sequence[str]) -> Figure:
     return figure
 
 
-def _over_friction(stops: Frame, lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
+def _over_friction(stops: Frame, lines: Mapping[str, _Line]) -> Figure | None:
     # Distances over the ideal bound against mean friction, and their median over a tenth of the cases.
     compared = stops[stops["over_bound"].notna() & (stops["controller"] != "ideal_bound")]
     if compared.empty:

@@ -13,12 +13,14 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Final, cast
+from typing import Any, Final, NamedTuple, cast
 
 import numpy as np
 import pandas
 
 from railgrip.base.files import write_text
+from railgrip.base.groups import gather
+from railgrip.base.tables import JsonObject, TomlTable
 from railgrip.report.frame import Frame, plain
 from railgrip.report.limits import AssessmentLimits
 from railgrip.report.statistics import finite, quantile, quantile_interval
@@ -77,7 +79,7 @@ def frame_of_rows(rows: Any) -> Frame:
     return pandas.DataFrame(rows).reindex(columns=["case", "variants", "speed", *SHIPPED[1:]])
 
 
-def plain_rows(stops: Frame) -> list[dict[str, Any]]:
+def plain_rows(stops: Frame) -> list[JsonObject]:
     """Return stops as JSON values, None for numbers that do not exist."""
     rows = plain(stops)
     for row in rows:
@@ -160,11 +162,47 @@ def keeps_lock(longest: float, limits: AssessmentLimits) -> bool:
 _THREE_STATE: Final = "slip_three_state"
 
 
+Interval = tuple[float | None, float | None]
+"""Ends of a bootstrap interval; None for one that is infinite or unknown."""
+
+
+class Statistics(NamedTuple):
+    """Statistics of one controller over cases; one that is not finite is None.
+
+    Attributes:
+        cases: Number of cases.
+        compared: Number of those with a `best_m`, from which median and p95 are computed.
+        stops: Share of cases with a standstill.
+        median: Median of distance over `best_m` of the same case.
+        median_interval: Its interval.
+        p95: 95 % quantile of that.
+        p95_interval: Its interval.
+        over_bound: Median of distance over that of the bound.
+    """
+
+    cases: int
+    compared: int
+    stops: float
+    median: float | None
+    median_interval: Interval
+    p95: float | None
+    p95_interval: Interval
+    over_bound: float | None
+
+
+BOARD: Final = (
+    "controller", "description", "role", "tuned", "cases", "stops", "compared", "median", "median_interval", "p95",
+    "p95_interval", "worst", "over_bound", "k_wet", "k_wet_low", "k_wet_high", "longest_lock_s", "air", "strokes",
+    "utilisation", "nees_low", "nees", "nees_high", "kept",
+)  # fmt: skip
+"""Columns of the leaderboard."""
+
+
 def summaries(stops: Frame, taking_part: Mapping[str, Entrant]) -> Frame:
     """Return the leaderboard: a row for each controller, shortest median first, those without a baseline last.
 
-    A stop without standstill counts as infinite, and a statistic that is not finite is None. Columns are those of
-    `statistics_of`, and
+    A stop without standstill counts as infinite, and a statistic that is not finite is None. Columns are `BOARD`:
+    fields of `Statistics`, and
 
     - `description`, `role`, `tuned` of the entrant, and `worst`, the maximum of distance over `best_m`
     - `k_wet`, `k_wet_low`, `k_wet_high`: 10 % quantile of K_wet in the cases in which the extension is judged, and its
@@ -177,30 +215,26 @@ def summaries(stops: Frame, taking_part: Mapping[str, Entrant]) -> Frame:
     - `kept`: clause → share of the cases in which it is judged that keep it
     """
     frugal = stops[stops["controller"] == _THREE_STATE].set_index("case")
-    rows: list[dict[str, Any]] = []
+    rows: list[dict[str, object]] = []
     for name, entrant in taking_part.items():
         own = stops[stops["controller"] == name]
         if own.empty:
             continue
         verdicts = pandas.DataFrame(list(own["verdicts"]), index=own.index)
         wet, nees = own["k_wet"][verdicts["extension"].notna()].dropna(), own["nees"].dropna()
-        row, (low, high) = statistics_of(own), interval_of(wet, 0.1)
-        kept = {clause: verdicts[clause].dropna() for clause in JUDGED}
+        (low, high), kept = interval_of(wet, 0.1), {clause: verdicts[clause].dropna() for clause in JUDGED}
         rows.append(
             {
                 "controller": name,
-                "description": entrant.description,
-                "role": entrant.role,
-                "tuned": entrant.tuned,
-                **{key: row[key] for key in ("cases", "stops", "compared", "median", "median_interval", "p95")},
-                "p95_interval": row["p95_interval"],
+                **{key: getattr(entrant, key) for key in ("description", "role", "tuned")},
+                **statistics_of(own)._asdict(),
                 "worst": _quantile(over_best(own), 1.0),
-                "over_bound": row["over_bound"],
                 "k_wet": _quantile(wet, 0.1),
                 "k_wet_low": low,
                 "k_wet_high": high,
                 "longest_lock_s": finite(own["longest_lock_s"].max()),
-                **{figure: _relative(own, frugal, column) for figure, column in (("air", "air_l"), ("strokes",) * 2)},
+                "air": _relative(own, frugal, "air_l"),
+                "strokes": _relative(own, frugal, "strokes"),
                 "utilisation": _quantile(own["utilisation"].dropna(), 0.5),
                 "nees_low": _quantile(nees, 0.1),
                 "nees": finite(nees.mean()),
@@ -208,28 +242,23 @@ def summaries(stops: Frame, taking_part: Mapping[str, Entrant]) -> Frame:
                 "kept": {clause: finite(float(np.mean(of))) if len(of) else None for clause, of in kept.items()},
             }
         )
-    rows.sort(key=lambda row: math.inf if row["median"] is None else row["median"])
-    return pandas.DataFrame(rows, dtype=object)
+    board = pandas.DataFrame(rows, columns=list(BOARD), dtype=object)
+    return board.sort_values("median", key=lambda of: of.astype(float), kind="stable", ignore_index=True)
 
 
-def statistics_of(stops: Frame) -> dict[str, Any]:
-    """Return the statistics of one controller over cases.
-
-    `cases`, their number; `compared`, the number of those with a `best_m`, from which median and p95 are computed;
-    `stops`, the share of cases with a standstill; `median` and `p95`, median and 95 % quantile of distance over
-    `best_m` of the same case, with bootstrap intervals; `over_bound`, the median of distance over that of the bound.
-    """
+def statistics_of(stops: Frame) -> Statistics:
+    """Return the statistics of one controller over cases."""
     ratios, bounds = over_best(stops), stops["over_bound"][stops["bound_m"].notna()].fillna(math.inf)
-    return {
-        "cases": len(stops),
-        "compared": len(ratios),
-        "stops": float(stops["distance_m"].notna().mean()),
-        "median": _quantile(ratios, 0.5),
-        "median_interval": interval_of(ratios, 0.5),
-        "p95": _quantile(ratios, 0.95),
-        "p95_interval": interval_of(ratios, 0.95),
-        "over_bound": _quantile(bounds, 0.5),
-    }
+    return Statistics(
+        cases=len(stops),
+        compared=len(ratios),
+        stops=float(stops["distance_m"].notna().mean()),
+        median=_quantile(ratios, 0.5),
+        median_interval=interval_of(ratios, 0.5),
+        p95=_quantile(ratios, 0.95),
+        p95_interval=interval_of(ratios, 0.95),
+        over_bound=_quantile(bounds, 0.5),
+    )
 
 
 def over_best(stops: Frame) -> Frame:
@@ -241,7 +270,7 @@ def _quantile(values: Frame, share: float) -> float | None:
     return finite(quantile(values, share))
 
 
-def interval_of(values: Frame, share: float) -> tuple[float | None, float | None]:
+def interval_of(values: Frame, share: float) -> Interval:
     """Return the bootstrap interval of a quantile; None for an end that is infinite or unknown."""
     low, high = quantile_interval(values.tolist(), share) or (math.nan, math.nan)
     return finite(low), finite(high)
@@ -252,13 +281,13 @@ def _relative(stops: Frame, others: Frame, column: str) -> float | None:
     return _quantile((stops[column] / other).dropna(), 0.5)
 
 
-def digest_of(design: Iterable[AnyCase], train: Mapping[str, Any]) -> str:
+def digest_of(design: Iterable[AnyCase], train: TomlTable) -> str:
     """Return a SHA-256 of everything that defines the stops of a test except the controllers and their task."""
     two_groups = [[case.name, case.tables(2), case.fault_tables(2), *filter(None, [case.train])] for case in design]
     return hashlib.sha256(json.dumps([train, two_groups], sort_keys=True, default=str).encode()).hexdigest()
 
 
-def write_shipped(stops: Frame, design: Sequence[AnyCase], train: Mapping[str, Any], folder: Path) -> list[Path]:
+def write_shipped(stops: Frame, design: Sequence[AnyCase], train: TomlTable, folder: Path) -> list[Path]:
     """Write the stops of each set of cases into its file in a folder; return the files."""
     shipped = stops[list(SHIPPED)].sort_values(["case", "controller"]).astype({"strokes": "Int64"})
     paths: list[Path] = []
@@ -270,9 +299,7 @@ def write_shipped(stops: Frame, design: Sequence[AnyCase], train: Mapping[str, A
     return paths
 
 
-def read_shipped(
-    design: Iterable[AnyCase], train: Mapping[str, Any], folder: Path = LIBRARY
-) -> tuple[Frame, list[str]]:
+def read_shipped(design: Iterable[AnyCase], train: TomlTable, folder: Path = LIBRARY) -> tuple[Frame, list[str]]:
     """Return the packaged stops for some cases, and a sentence about each set of cases.
 
     Args:
@@ -313,10 +340,7 @@ def read_shipped(
 
 
 def _by_set(design: Iterable[AnyCase]) -> dict[CaseSet, list[AnyCase]]:
-    sets: dict[CaseSet, list[AnyCase]] = {}
-    for case in design:
-        sets.setdefault(_set_of(case), []).append(case)
-    return sets
+    return gather((_set_of(case), case) for case in design)
 
 
 def _file_of(case_set: CaseSet) -> str:

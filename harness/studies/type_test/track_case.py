@@ -14,6 +14,7 @@ import numpy as np
 from scipy.stats.qmc import Sobol
 
 from railgrip.base import registry
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import GRAVITY
 from railgrip.scenario.load import read_toml
 from railgrip.scenario.surface import named_set
@@ -43,7 +44,7 @@ FRACTION: Final = (0.04, 0.36)
 RECOVERED: Final = (1.1, 1.8)
 """Friction of the rail that wheels have cleaned by rolling, over the mean; 1.30 to 1.44 on Table 1's rails."""
 
-CLEANING: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
+CLEANING: Final[Mapping[str, TomlTable]] = MappingProxyType(
     {
         "none": {},
         # The rate is an estimate: a tenth of that of Allotta et al.; the clean rail is Polach's wet one.
@@ -170,7 +171,7 @@ class TrackCase:
             "fault": " and ".join(self.faults) or "none",
         }
 
-    def tables(self, groups: int) -> dict[str, Any]:
+    def tables(self, groups: int) -> TomlTable:
         """Return the overrides for the scenario of a train with a number of groups."""
         radii, pads = (np.random.default_rng((self.lot, stream)).uniform(-1.0, 1.0, groups) for stream in (1, 2))
         truth = {
@@ -180,7 +181,7 @@ class TrackCase:
             "gradient": self.slope,
             "mechanics": self.mechanics,
         }
-        surface: dict[str, Any] = {}
+        surface: TomlTable = {}
         if self.cleaning not in ("none", BY_THE_CURVE):
             surface["recovery"] = dict(CLEANING[self.cleaning])
         if self.fraction:
@@ -194,17 +195,17 @@ class TrackCase:
             "limits": {"horizon": self.horizon},
         }
 
-    def fault_tables(self, groups: int) -> dict[str, Any]:
+    def fault_tables(self, groups: int) -> TomlTable:
         """Return the tables of its faults; faults of a group are those of a drawn group."""
         group = 1 + self.lot % groups
         rows = [row for fault in self.faults for row in FAULTS[fault].get("faults", ())]
         return {"faults": [row | {"group": group} if "group" in row else row for row in rows]} if rows else {}
 
-    def _polach(self) -> str | dict[str, Any]:
+    def _polach(self) -> str | TomlTable:
         if not self.other:
             return self.curve
         own, other = named_set(self.curve), named_set(self.other)
-        blend: dict[str, Any] = {"name": f"{self.curve}, {self.share:.2f} {self.other}"}
+        blend: TomlTable = {"name": f"{self.curve}, {self.share:.2f} {self.other}"}
         for name in _SHAPE:
             if name.startswith("k"):  # slopes are factors
                 value = own[name] ** (1.0 - self.share) * other[name] ** self.share
@@ -213,7 +214,7 @@ class TrackCase:
             blend[name] = float(f"{value:.5g}")
         return blend
 
-    def _friction(self) -> dict[str, Any]:
+    def _friction(self) -> TomlTable:
         mean, scale, draw = self.friction, self.scale, self.lot % 1000 / 1000
         if self.rail == "even":
             return {"kind": "constant", "mu0": mean}
@@ -369,7 +370,7 @@ class PublishedRail(TrackCase):
         shown = TrackCase.variants(self)
         return shown | {"over": self._table()["adhesion"]["over"], "scale": self.scenario}
 
-    def tables(self, groups: int) -> dict[str, Any]:
+    def tables(self, groups: int) -> TomlTable:
         """Return the overrides for the scenario of a train with a number of groups."""
         table = self._table()
         return {
@@ -380,7 +381,7 @@ class PublishedRail(TrackCase):
             "limits": {"horizon": table["limits"]["horizon"]},
         }
 
-    def _table(self) -> dict[str, Any]:
+    def _table(self) -> TomlTable:
         return read_toml(registry.shelf("scenarios")[self.scenario])
 
 
