@@ -1,10 +1,11 @@
 """What measures against low adhesion buy on a line: metres, seconds of headway, sand, air and wear."""
 
 import itertools
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -17,7 +18,7 @@ from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
 from railgrip.report.statistics import FEWEST_DRAWS
-from railgrip.report.table import ReportTable, share, with_interval, write_tables
+from railgrip.report.table import Form, ReportTable, share, with_interval, write_tables
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import by_hand
@@ -153,23 +154,21 @@ def chain_of(study: Benefit, work: Work) -> BenefitChain:
 
 def gain_table(chain: BenefitChain) -> ReportTable:
     """Return distances, factors and headways of each variant, and what measures gain, with intervals."""
-    quantiles = {f"P{100 * level:.0f}": chain.quantile(level) for level in (0.5, 0.95)}
-    beyond = chain.beyond()
-    rows: list[dict[str, Any]] = []
-    for number, variant in enumerate(chain.variants):
-        row: dict[str, Any] = {"measure": variant.name}
-        for name, values in quantiles.items():
-            row[name] = float(values[number, 0])
-            row[f"{name} shorter by"] = _gain(chain, values, number, "{:.0f}", " m")
-        row |= {"K_wet": float(chain.k_wet[number, 0]), "safe factor": float(chain.factors[number, 0])}
-        row["longer stops"] = float(beyond[number])
-        for name, values in zip(_SYSTEMS, chain.seconds, strict=True):
-            row[f"headway, {name}"] = float(values[number, 0])
-            row[f"gain, {name}"] = _gain(chain, values, number, "{:.1f}", " s")
-        rows.append(row)
-    forms: dict[str, Any] = {**dict.fromkeys(quantiles, "{:.0f} m"), "K_wet": "{:.3f}", "safe factor": "{:.3f}"}
-    forms |= {"longer stops": share, **{f"headway, {name}": "{:.1f} s" for name in _SYSTEMS}}
-    return ReportTable(rows, forms, ("measure",), title="Gains")
+    forms: dict[str, Form] = {"measure": ""}
+    columns: list[Iterable[str | float]] = [[variant.name for variant in chain.variants]]
+
+    def add(values: Array, form: str, unit: str, name: str, gain: str) -> None:
+        forms.update({name: f"{form}{unit}", gain: ""})
+        columns.append(values[:, 0].tolist())
+        columns.append(_gain(chain, values, number, form, unit) for number in range(len(values)))
+
+    for level in (0.5, 0.95):
+        add(chain.quantile(level), "{:.0f}", " m", f"P{100 * level:.0f}", f"P{100 * level:.0f} shorter by")
+    forms |= {"K_wet": "{:.3f}", "safe factor": "{:.3f}", "longer stops": share}
+    columns += [chain.k_wet[:, 0].tolist(), chain.factors[:, 0].tolist(), chain.beyond().tolist()]
+    for name, values in zip(_SYSTEMS, chain.seconds, strict=True):
+        add(values, "{:.1f}", " s", f"headway, {name}", f"gain, {name}")
+    return ReportTable.of(forms, zip(*columns, strict=True), title="Gains")
 
 
 def _gain(chain: BenefitChain, values: Array, number: int, form: str, unit: str) -> str:
@@ -186,44 +185,35 @@ def _with_interval(
 def cost_table(chain: BenefitChain) -> ReportTable:
     """Return the means over a year of sand, air and energy at the wheels of a stop, with intervals."""
     units = {"sand": (1.0, "{:.2f}", " kg"), "air": (1e3, "{:.0f}", " l"), "energy": (1e-6, "{:.2f}", " MJ")}
-    names = {"sand": "sand in a stop", "air": "air in a stop", "energy": "wheel energy in a stop"}
     means = {figure: chain.mean(figure) for figure in units}
     rows = [
-        {"measure": variant.name}
-        | {
-            names[figure]: _with_interval(chain, means[figure][number] * scale, *form)
-            for figure, (scale, *form) in units.items()
-        }
+        (variant.name, *(_with_interval(chain, means[figure][number] * scale, *form)
+                         for figure, (scale, *form) in units.items()))
         for number, variant in enumerate(chain.variants)
-    ]
-    return ReportTable(rows, left=("measure",), title="Cost")
+    ]  # fmt: skip
+    return ReportTable.of(("measure", "sand in a stop", "air in a stop", "wheel energy in a stop"), rows, title="Cost")
 
 
 def rail_table(chain: BenefitChain) -> ReportTable:
     """Return the median distance of each variant on each rail."""
     medians = np.median(chain.figures["distance"], axis=2)
     names = [variant.name for variant in chain.variants]
-    rows = [
-        {"rail": rail.name, "share of stops": rail.probability}
-        | dict(zip(names, medians[:, number].tolist(), strict=True))
-        for number, rail in enumerate(chain.line.rail)
-    ]
-    forms = {"share of stops": share, **dict.fromkeys(names, "{:.0f} m")}
-    return ReportTable(rows, forms, ("rail",), title="Median distances")
+    rows = [(rail.name, rail.probability, *of) for rail, of in zip(chain.line.rail, medians.T.tolist(), strict=True)]
+    forms = {"rail": "", "share of stops": share, **dict.fromkeys(names, "{:.0f} m")}
+    return ReportTable.of(forms, rows, title="Median distances")
 
 
 def deciding_table(chain: BenefitChain) -> ReportTable:
     """Return the parts of each headway, and place and curve of the end of authority that decides it."""
     rows = [
-        {"measure": variant.name, "signalling system": system, "decided at": headway.place, "curve": headway.limit}
-        | {part: headway.parts[part] for part in _COLOURS}
-        | {"headway": headway.seconds}
+        (variant.name, system, headway.place, headway.limit, *map(headway.parts.__getitem__, _COLOURS), headway.seconds)
         for system, of_system in zip(_SYSTEMS, zip(*chain.deciding, strict=True), strict=True)
         for variant, headway in zip(chain.variants, of_system, strict=True)
     ]
-    forms = {"decided at": "{:.0f} m", **dict.fromkeys((*_COLOURS, "headway"), "{:.1f} s")}
+    forms = {"measure": "", "signalling system": "", "decided at": "{:.0f} m", "curve": ""}
+    forms |= dict.fromkeys((*_COLOURS, "headway"), "{:.1f} s")
     left = ("measure", "signalling system", "curve")
-    return ReportTable(rows, forms, left, title="What decides the headway")
+    return ReportTable.of(forms, rows, left=left, title="What decides the headway")
 
 
 def sentences_of(chain: BenefitChain) -> list[str]:

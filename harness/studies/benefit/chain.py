@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from railgrip.base.arrays import Array, generator
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_text
 from railgrip.base.registry import shelf
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import GRAVITY
 from railgrip.report.statistics import FEWEST_DRAWS
 from railgrip.rolling_stock.check import checked_train
@@ -51,7 +52,7 @@ class Variant:
 
     name: str
     train: Path
-    changes: Mapping[str, Any]
+    changes: TomlTable
 
 
 def variants_of(train: Path, measures: Mapping[str, Measure], controller: str, folder: Path) -> list[Variant]:
@@ -86,18 +87,18 @@ def variants_of(train: Path, measures: Mapping[str, Measure], controller: str, f
                     f"--measures {','.join(chosen)}: {train.name} with it is wrong: {problem} Leave it out, or give "
                     "the train its own equipment for it."
                 ) from problem
-        changes: dict[str, Any] = {"controller": {"kind": controller}}
+        changes: TomlTable = {"controller": {"kind": controller}}
         for each in chosen:
             changes = merge(changes, measures[each].scenario)
         variants.append(Variant(name=name, train=file, changes=changes))
     return variants
 
 
-def _train_table(table: Mapping[str, Any], measures: Mapping[str, Measure], chosen: Sequence[str]) -> dict[str, Any]:
+def _train_table(table: TomlTable, measures: Mapping[str, Measure], chosen: Sequence[str]) -> TomlTable:
     """Return the tables of a train with some measures, and without what the others add."""
     changed = dict(table)
     for name, measure in measures.items():
-        kinds: Mapping[str, Any] = changed["bogies"]
+        kinds: TomlTable = changed["bogies"]
         has_own = any(key in bogie for bogie in kinds.values() for key in measure.bogie)
         if name not in chosen:
             kept = {kind: {k: v for k, v in bogie.items() if k not in measure.bogie} for kind, bogie in kinds.items()}
@@ -117,7 +118,7 @@ def scenario_for(variant: Variant, line: LineOfStudy, rail: SeasonalRail | None,
     Level and seed depend on rail and draw alone, so that all variants stop on the same rails.
     """
     service = read_toml(shelf("equipment")["service"])
-    tables: dict[str, Any] = merge(read_toml(LIBRARY / "stop.toml"), {"sensors": service["sensors"]})
+    tables: TomlTable = merge(read_toml(LIBRARY / "stop.toml"), {"sensors": service["sensors"]})
     tables = merge(tables, {"vehicle": {"train": variant.train.name}, "start": {"speed": speed}, "seed": draw})
     if rail is None:
         tables = merge(tables, {"controller": {"kind": "full_brake"}})

@@ -3,13 +3,14 @@
 from collections.abc import Iterator, Mapping
 from math import isclose, isfinite
 from pathlib import Path
-from typing import Annotated, Any, Self, cast
+from typing import Annotated, Self, cast
 
 from pydantic import Field, StrictBool, model_validator
 
 from railgrip.base.errors import InputError
 from railgrip.base.names import did_you_mean
 from railgrip.base.registry import ANALYSES, names
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import short
 from railgrip.scenario.file import OtherFileString, is_file
 from railgrip.scenario.load import read_toml, validate_table
@@ -32,11 +33,11 @@ class Measure(Table):
 
     description: str = Field(min_length=3, description="what is added, in a line")
     source: str = Field(min_length=3, description="publication of the numbers, or that they are estimates")
-    scenario: dict[str, Any] = Field(default={}, description="tables laid over each stop, as in a scenario file")
-    bogie: dict[str, Any] = Field(
+    scenario: TomlTable = Field(default={}, description="tables laid over each stop, as in a scenario file")
+    bogie: TomlTable = Field(
         default={}, description="keys of every bogie; bogies that have them lose them without the measure"
     )
-    train: dict[str, Any] = Field(default={}, description="tables of the train file, unless the train has its own")
+    train: TomlTable = Field(default={}, description="tables of the train file, unless the train has its own")
 
     @model_validator(mode="after")
     def _leaves_stops_alike(self) -> Self:
@@ -73,7 +74,7 @@ class SeasonalRail(Table):
     level: tuple[_Level, _Level] = Field(
         default=(1.0, 1.0), description="factor on its friction in a stop, uniform between two values"
     )
-    adhesion: dict[str, Any] = Field(description="table [adhesion] of a scenario file, of any kind")
+    adhesion: TomlTable = Field(description="table [adhesion] of a scenario file, of any kind")
     source: str = Field(min_length=3, description="publication of the numbers, or that they are estimates")
 
     @property
@@ -173,6 +174,6 @@ def _law(name: str) -> Measure:
 
 def _changes(measure: Measure) -> set[str]:
     tables = {"[estimator]": "[controller]"}  # an estimator belongs to its law
-    inner: Mapping[str, Any] = measure.scenario.get("adhesion", {})
+    inner: TomlTable = measure.scenario.get("adhesion", {})
     keys = {f"[{key}]" for key in measure.scenario if key != "adhesion"} | {f"[adhesion] {key}" for key in inner}
     return {tables.get(key, key) for key in keys - {"[periods]"}} | {f"[bogies] {key}" for key in measure.bogie}

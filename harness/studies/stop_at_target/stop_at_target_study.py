@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import numpy as np
 import pandas
@@ -14,10 +14,12 @@ from scipy.stats.qmc import LatinHypercube
 from typer import Option
 
 from railgrip.base.registry import shelf
+from railgrip.base.tables import TomlTable
 from railgrip.campaign.searches import evolve, parameters_of
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
+from railgrip.report.frame import Frame
 from railgrip.report.page import Page
 from railgrip.report.statistics import bootstrap_interval, draws_for_interval, on_common
 from railgrip.report.table import ReportTable, with_interval, write_tables
@@ -27,9 +29,6 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import trace_of
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.design import FAULTS
-
-Frame = Any
-"""A `pandas.DataFrame`, which has no types that follow a selection."""
 
 PAGE = Path("docs/stop_at_target.md")
 """Relative to the folder of the project, in which the command runs."""
@@ -57,7 +56,7 @@ SLIPPERY = 0.8
 CURVES: Final = ("wet", "low", "leaf", "poor_wheelset_study")
 
 
-SYSTEMS: Final[Mapping[str, Any]] = read_toml(LIBRARY / "systems.toml")
+SYSTEMS: Final[TomlTable] = read_toml(LIBRARY / "systems.toml")
 """Ways to stop at a target: table `controller`, and `ranges` in which its parameters are searched."""
 MANAGED: Final = "with adhesion management"
 
@@ -138,7 +137,7 @@ Case = tuple[str, Mapping[str, float], Draw, bool]
 
 
 @cache
-def _base() -> Mapping[str, Any]:
+def _base() -> TomlTable:
     table = dict(read_toml(shelf("equipment")["service"]))
     del table["vehicle"]
     return merge(table, read_toml(LIBRARY / "stop.toml"))
@@ -155,7 +154,7 @@ def scenario_of_case(case: Case) -> Scenario:
         "full_deceleration": values.get("full_deceleration", 1.1),
     }
     faults = [{**row, "group": draw.group} if "group" in row else row for row in FAULTS[draw.fault].get("faults", ())]
-    changes: dict[str, Any] = {
+    changes: TomlTable = {
         "seed": draw.seed,
         "start": {"speed": draw.speed},
         "adhesion": {
@@ -227,24 +226,20 @@ def frame_of(
 
 def table_of(frame: Frame, title: str) -> ReportTable:
     """Return quantiles of the error, shares of short and long stops, and means of sand and air, by rail and system."""
-    rows: list[dict[str, Any]] = []
+    rows: list[tuple[str | float | None, ...]] = []
     for (rail, system), here in on_common(frame, "system", ["rail", "draw", "fault"], "error").groupby(
         ["rail", "system"], sort=False
     ):
-        error = here["error"].to_numpy()
-        rows.append(
-            {"rail": rail, "system": system, "draws": len(here)}
-            # A quantile needs a draw beyond it.
-            | {
-                f"P{share}": np.quantile(np.abs(error), share / 100) if len(here) * (100 - share) >= 100 else None
-                for share in (50, 95, 99)
-            }
-            | {"farthest": error[np.argmax(np.abs(error))]}
-            | {f"long by > {FAR:g} m": (error > FAR).mean(), f"short by > {FAR:g} m": (error < -FAR).mean()}
-            | {"duration": here["duration"].mean(), "sand": here["sand"].mean(), "air": here["air"].mean()}
-            | {"magnets": here["magnets"].mean()}
+        error, count = here["error"].to_numpy(), len(here)
+        # A quantile needs a draw beyond it.
+        quantiles = (
+            np.quantile(np.abs(error), share / 100) if count * (100 - share) >= 100 else None for share in (50, 95, 99)
         )
-    return ReportTable(sorted(rows, key=lambda row: list(RAILS).index(row["rail"])), _FORMS, ("rail", "system"), title)
+        farthest, shares = error[np.argmax(np.abs(error))], ((error > FAR).mean(), (error < -FAR).mean())
+        means = (here[name].mean() for name in ("duration", "sand", "air", "magnets"))
+        rows.append((rail, system, count, *quantiles, farthest, *shares, *means))
+    rows.sort(key=lambda row: list(RAILS).index(str(row[0])))
+    return ReportTable.of(_FORMS, rows, left=2, title=title)
 
 
 def ratio_of(frame: Frame) -> tuple[str, float, tuple[float, float] | None]:
@@ -292,10 +287,9 @@ def figure_of(frames: Mapping[str, Frame]) -> Figure:
 def values_table(found: Mapping[str, Mapping[str, float]]) -> ReportTable:
     """Return the parameters that the search found."""
     rows = [
-        {"system": system, "parameters": ", ".join(f"{name} {value:g}" for name, value in values.items())}
-        for system, values in found.items()
+        (system, ", ".join(f"{name} {value:g}" for name, value in values.items())) for system, values in found.items()
     ]
-    return ReportTable(rows, {}, ("system", "parameters"))
+    return ReportTable.of(("system", "parameters"), rows, left=2)
 
 
 @dataclass(frozen=True)
@@ -372,11 +366,14 @@ def _verdict(ratio: float, interval: tuple[float, float] | None) -> str:
 
 
 _FORMS: Final = {
+    "rail": "",
+    "system": "",
     "draws": "{:.0f}",
-    "farthest": "{:+.2f} m",
     **dict.fromkeys(("P50", "P95", "P99"), "{:.2f} m"),
+    "farthest": "{:+.2f} m",
     **dict.fromkeys((f"long by > {FAR:g} m", f"short by > {FAR:g} m"), lambda share: f"{100 * share:.1f} %"),
-    **dict.fromkeys(("duration", "magnets"), "{:.1f} s"),
+    "duration": "{:.1f} s",
     "sand": "{:.2f} kg",
     "air": lambda air: f"{1000 * air:.0f} l",
+    "magnets": "{:.1f} s",
 }
