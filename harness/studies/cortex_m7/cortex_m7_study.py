@@ -1,13 +1,12 @@
 """The onboard part on a Cortex-M7: memory, instructions and outputs of cases in an emulator."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import numpy as np
+import pandas
 from typer import Option
 
 from railgrip.base.arrays import Matrix
@@ -16,7 +15,7 @@ from railgrip.base.files import scratch
 from railgrip.campaign.work import Work
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, write_tables
-from railgrip.scenario.load import load
+from railgrip.scenario.load import load, read_toml
 from railgrip.studies.cortex_m7.build import PACKAGES, Measured, TargetBuild, missing_programs
 from railgrip.studies.study import Study
 
@@ -48,6 +47,8 @@ COLUMNS: Final = {
     "steps with other commands": lambda value: "none" if value == 0.0 else f"{100 * value:.2g} %",
     "ends": "{}",
 }
+"""Column of a run → its form: memory, instructions of a step, the largest difference of an output that is not a command
+over its largest value, `of` which output it is, and the step at which the filter diverges."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class CortexM7(Study, quick="13 states over 50 ms"):
         """
         if missing := missing_programs(*(() if self.quick else ("cppcheck",))):
             raise CompilerMissing(f"{', '.join(missing)}: not on the PATH; {PACKAGES}.")
-        rows, checks = list[dict[str, Any]](), list[dict[str, Any]]()
+        rows, checks = list[tuple[str | float, ...]](), list[tuple[str, str, int]]()
         rules, loops = dict[str, set[tuple[str, str]]](), set[int]()
         for name, (scenario, overrides) in [*CASES.items()][: 1 if self.quick else None]:
             work.notify(name)
@@ -80,21 +81,22 @@ class CortexM7(Study, quick="13 states over 50 ms"):
                     build.compile(*flags, is_single=arithmetic == "single")
                     run = build.run()
                     loops.add(round(2e5 * run.of_loop))
-                    rows.append({"filter": name, "arithmetic": arithmetic} | _figures(build, run, here))
+                    rows.append((name, arithmetic, *_figures(build, run, here)))
                     if arithmetic == "double":
-                        checks.append({"filter": name} | _checks(build))
+                        checks.append((name, *_checks(build)))
                         if not self.quick and name.startswith("central"):
                             for rule, places in build.misra().items():
                                 rules.setdefault(rule, set()).update(places)
         tables: dict[str, ReportTable | str] = {
-            "target": ReportTable(rows, COLUMNS, ("filter", "arithmetic")),
-            "checks": ReportTable(checks, left=("filter", "functions of libraries")),
+            "target": ReportTable.of(COLUMNS, rows, left=2),
+            "checks": ReportTable.of(("filter", "functions of libraries", "loops that count"), checks, left=2),
             "misra": _misra(rules),
             "counted": f"A loop of 200,000 instructions is counted as {' and '.join(f'{each:,}' for each in loops)}.",
         }
         if self.write:
             write_tables(PAGE, tables)
-        worst = max(rows, key=lambda row: row["worst"])
+        runs = pandas.DataFrame(rows, columns=list(COLUMNS))
+        worst = runs.loc[runs["worst"].idxmax()]
         return Page(
             title="The onboard part on a Cortex-M7",
             question="How much memory and how many instructions does the onboard part need on a microcontroller?",
@@ -106,7 +108,7 @@ class CortexM7(Study, quick="13 states over 50 ms"):
         )
 
 
-def _figures(build: TargetBuild, run: Measured, here: Matrix) -> dict[str, Any]:
+def _figures(build: TargetBuild, run: Measured, here: Matrix) -> tuple[str | float, ...]:
     sizes, here = build.sizes(), here[: run.failed]
     scale = np.maximum(np.nanmax(np.abs(here), axis=0), np.finfo(float).tiny)
     # NaN, for an unknown value, equals only NaN.
@@ -115,30 +117,29 @@ def _figures(build: TargetBuild, run: Measured, here: Matrix) -> dict[str, Any]:
     is_command = np.array([name.startswith("command") for name in build.outputs])
     worst = int(np.argmax(np.where(is_command, -1.0, difference)))
     other = np.any(run.outputs[:, is_command] != here[:, is_command], axis=1)
-    return {
-        "flash [kB]": sizes["flash"] / 1e3,
-        "state [kB]": sizes["state"] / 1e3,
-        "stack, computed [kB]": build.stack() / 1e3,
-        "stack, painted [kB]": run.stack / 1e3,
-        "instructions a step, median": float(np.median(run.instructions)),
-        "worst": float(np.max(run.instructions)),
-        "largest difference": float(difference[worst]),
-        "of": build.outputs[worst] if difference[worst] else "",
-        "steps with other commands": float(np.mean(other)),
-        "ends": "" if run.failed is None else f"diverges at step {run.failed}",
-    }
+    return (
+        sizes["flash"] / 1e3,
+        sizes["state"] / 1e3,
+        build.stack() / 1e3,
+        run.stack / 1e3,
+        float(np.median(run.instructions)),
+        float(np.max(run.instructions)),
+        float(difference[worst]),
+        build.outputs[worst] if difference[worst] else "",
+        float(np.mean(other)),
+        "" if run.failed is None else f"diverges at step {run.failed}",
+    )
 
 
-def _checks(build: TargetBuild) -> dict[str, Any]:
+def _checks(build: TargetBuild) -> tuple[str, int]:
     counting, others = build.loops()
     if problems := [*build.variables(), *others]:
         raise BuildFailed(f"{build.name}: states share variables, or a loop does not count: {', '.join(problems)}.")
-    return {"functions of libraries": ", ".join(build.linked()), "loops that count": counting}
+    return ", ".join(build.linked()), counting
 
 
 def _misra(rules: Mapping[str, set[tuple[str, str]]]) -> ReportTable:
-    text = (files("railgrip.studies.cortex_m7") / "library" / "misra.toml").read_text(encoding="utf-8")
-    reasons = tomllib.loads(text)
+    reasons = read_toml(Path(__file__).parent / "library" / "misra.toml")
     order = sorted(rules, key=lambda rule: [int(part) for part in rule.split(".")])
     columns = ("rule", "findings", "subject", "why it remains")
     return ReportTable.of(

@@ -7,17 +7,19 @@ parameters are those of the plant `TwoPartTrainPneumatic`, whose pads and discs 
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from statistics import median
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import Field, StrictInt, model_validator
 
 from railgrip.base.arrays import generator
 from railgrip.base.errors import ScenarioError
+from railgrip.base.tables import TomlTable
 from railgrip.campaign.work import Work
 from railgrip.estimators.belief import Array
 from railgrip.rolling_stock.check import checked_train
@@ -104,7 +106,7 @@ def load_specification(path: Path, overrides: Sequence[str] = ()) -> tuple[KFact
     return specification, scenario
 
 
-def _study_of_train(train: Train, changes: Mapping[str, Any], origin: str) -> tuple[KFactorSpecification, Train]:
+def _study_of_train(train: Train, changes: TomlTable, origin: str) -> tuple[KFactorSpecification, Train]:
     data = data_of(train)
     table = {
         "name": train.name,
@@ -313,6 +315,35 @@ def scenario_of_draw(
     return scenario.model_copy(update={"vehicle": vehicle})
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KOfStops:
+    """K of the whole stop with the controller in the loop, with the names of the file of results.
+
+    Attributes:
+        method: How it was determined.
+        probability: That of a lower deceleration, of [loop].
+        k: K; `low` and `high` are the ends of its interval.
+        quasi_static: The same of the quasi-static brake, see `plain`.
+        states: Number of failure states that were sampled.
+        neglected_probability: That of all others together.
+        samples: Number of stops.
+        estimated_stops: Probability → number of stops that the same samples and runs need.
+        seconds: `stop`, the median time of one on one core [s], and `new_stops`, the number of those that were run now.
+    """
+
+    method: str = "exact enumeration of failure states, subset simulation within each"
+    probability: float
+    k: float
+    low: float
+    high: float
+    quasi_static: Mapping[str, float]
+    states: int
+    neglected_probability: float
+    samples: int
+    estimated_stops: Mapping[str, int]
+    seconds: Mapping[str, float]
+
+
 def in_the_loop(
     specification: KFactorSpecification,
     scenario: Scenario,
@@ -321,11 +352,10 @@ def in_the_loop(
     quasi_static: QuasiStatic,
     work: Work,
     import_from: Sequence[Path] = (),
-) -> dict[str, Any]:
+) -> KOfStops:
     """Return K of the whole stop with the controller in the loop, at the probability of [loop].
 
-    It has the form of the file of results; `seconds` has the median time of a `stop` on one core and the number of
-    stops that were run now. Classes that the scenario names are imported from the folders `import_from`.
+    Classes that the scenario names are imported from the folders `import_from`.
     """
     effort = specification.loop
     assert effort is not None, "requested before anything was run"
@@ -357,17 +387,16 @@ def in_the_loop(
         ]
         runs.append(rare.pool_samples(parts, [state.probability for state in states]))
     estimate = rare.estimates(quasi_static.runs[-1], [effort.probability], quasi_static.neglected)[0]
-    return {
-        "method": "exact enumeration of failure states, subset simulation within each",
-        "probability": effort.probability,
+    return KOfStops(
+        probability=effort.probability,
         **plain(rare.estimates(runs, [effort.probability], neglected)[0]),
-        "quasi_static": plain(estimate),
-        "states": len(states),
-        "neglected_probability": neglected,
-        "samples": len(seconds),
-        "estimated_stops": {f"{p:g}": cost for p, cost in costs.items()},
-        "seconds": {"stop": median(seconds), "new_stops": work.run_count - runs_before},
-    }
+        quasi_static=plain(estimate),
+        states=len(states),
+        neglected_probability=neglected,
+        samples=len(seconds),
+        estimated_stops={f"{p:g}": cost for p, cost in costs.items()},
+        seconds={"stop": median(seconds), "new_stops": work.run_count - runs_before},
+    )
 
 
 def _stop(scenario: Scenario, import_from: Sequence[Path]) -> tuple[float | None, float]:

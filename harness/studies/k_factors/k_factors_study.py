@@ -1,15 +1,16 @@
 """K factors of a brake: results as JSON, as a page with a figure, and as rows for the screen."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from matplotlib.figure import Figure
 from typer import Argument, Option
 
 from railgrip.base.errors import ScenarioError
+from railgrip.base.tables import JsonObject
 from railgrip.campaign.run import input_versions
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
@@ -26,6 +27,7 @@ from railgrip.simulate.named_models import plant_description
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.k_factors.k_dry import (
     KFactorSpecification,
+    KOfStops,
     QuasiStaticBrake,
     brake_of,
     in_the_loop,
@@ -132,7 +134,7 @@ def table(brake: DispersedBrake, result: QuasiStatic) -> ReportTable:
         [
             str(level),
             f"{probability:g}",
-            *(f"{_text(plain(k[level]))} [{wide[level].low:.3f}–{wide[level].high:.3f}]" for k, wide in of_outputs),
+            *(f"{_text(**plain(k[level]))} [{wide[level].low:.3f}–{wide[level].high:.3f}]" for k, wide in of_outputs),
         ]
         for level, probability in enumerate(PROBABILITIES)
     ]
@@ -174,7 +176,7 @@ def sentences(
     distance: float,
     method: str,
     result: QuasiStatic,
-    loop: Mapping[str, Any] | None,
+    loop: KOfStops | None,
     workers: int,
 ) -> list[str]:
     """Return further remarks on the results; `distance` is that of the nominal train by another `method` [m]."""
@@ -187,15 +189,14 @@ def sentences(
         f"{result.neglected:.1e} together.",
     ]
     if loop is not None:
-        seconds = loop["seconds"]["stop"]
+        seconds = loop.seconds["stop"]
         cost = [
-            f"{p} {stops} stops, {stops * seconds / workers / 60:.0f} min"
-            for p, stops in loop["estimated_stops"].items()
+            f"{p} {stops} stops, {stops * seconds / workers / 60:.0f} min" for p, stops in loop.estimated_stops.items()
         ]
         lines += [
-            f"With the controller in the loop: K = {_text(loop)} at {loop['probability']:g}, quasi-static "
-            f"{_text(loop['quasi_static'])}; {loop['samples']} stops, failure states sampled {loop['states']}, all "
-            f"others {loop['neglected_probability']:.1e}; a stop takes a core {seconds:.2f} s.",
+            f"With the controller in the loop: K = {_text(loop.k, loop.low, loop.high)} at {loop.probability:g}, "
+            f"quasi-static {_text(**loop.quasi_static)}; {loop.samples} stops, failure states sampled {loop.states}, "
+            f"all others {loop.neglected_probability:.1e}; a stop takes a core {seconds:.2f} s.",
             f"The same samples and runs for less likely decelerations, estimated for {workers} cores: "
             f"{'; '.join(cost)}. Intervals half as wide take four times as many.",
         ]
@@ -208,11 +209,11 @@ def content(
     brake: DispersedBrake,
     distance: float,
     result: QuasiStatic,
-    loop: Mapping[str, Any] | None,
-) -> dict[str, Any]:
+    loop: KOfStops | None,
+) -> JsonObject:
     """Return the file of results; the same specification gives the same file, except for `seconds`."""
     plant = None if isinstance(subject, Train) else plant_description(subject)
-    results: dict[str, Any] = {
+    results: JsonObject = {
         "name": specification.name,
         "method": _METHOD,
         "seed": specification.seed,
@@ -246,8 +247,8 @@ def content(
         "seconds": {"quasi_static": round(result.seconds, 2)},
     }
     if loop is not None:
-        results["loop"] = {name: value for name, value in loop.items() if name != "seconds"}
-        results["seconds"] |= loop["seconds"]
+        results["loop"] = {name: value for name, value in asdict(loop).items() if name != "seconds"}
+        results["seconds"] |= loop.seconds
     return results
 
 
@@ -286,5 +287,5 @@ def draw(brake: DispersedBrake, result: QuasiStatic) -> Figure:
     return drawing
 
 
-def _text(values: Mapping[str, float]) -> str:
-    return f"{values['k']:.4f} ({values['low']:.4f}–{values['high']:.4f})"
+def _text(k: float, low: float, high: float) -> str:
+    return f"{k:.4f} ({low:.4f}–{high:.4f})"

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray
 
 from railgrip.base.arrays import generator
+from railgrip.base.tables import TomlTable
 from railgrip.base.units import GRAVITY
 from railgrip.estimators.belief import Vector
 from railgrip.fmi import describe
@@ -121,7 +121,7 @@ def live(life: Life, numbers: range | None = None) -> Iterator[tuple[xarray.Data
         yield _stop(life, k, random, 0.35 * factor, 0.35 * first_friction, stuck, transducers)
 
 
-def demand_table(full: Vector, releases: Sequence[Release], residual: Vector) -> dict[str, Any]:
+def demand_table(full: Vector, releases: Sequence[Release], residual: Vector) -> TomlTable:
     """Return the table [demand] of a stop: coasting, then braking with releases.
 
     Args:

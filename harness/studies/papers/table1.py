@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 
 from railgrip.api import Scenario
 from railgrip.base.files import write_text
+from railgrip.base.tables import TomlTable
 from railgrip.campaign.work import Work, call
 from railgrip.report.statistics import endless
 from railgrip.report.stop import Stop
@@ -225,18 +225,18 @@ _RISES, _FALL_AND_LOW = (9.0, 17.0, 25.0), 5.0
 """Begins of the rises of the trapezoid, and time from a fall to the next rise [s]: those of the scenario file."""
 
 
-def rail_of(name: str, candidate: Candidate, level: float) -> dict[str, Any]:
+def rail_of(name: str, candidate: Candidate, level: float) -> TomlTable:
     """Return the changes that give a scenario a candidate's creep curve, rail and brakes, and a level of friction.
 
     The clean rail of the conditioning has the same level, so that wheelsets clean the rail as in the scenario file.
     Controller and plant have the same full brakes: a controller demands at most the pressure that it knows.
     """
     conditioning = _conditioning(name)
-    rail: dict[str, Any] = {"polach": candidate.polach, "level": level}
+    rail: TomlTable = {"polach": candidate.polach, "level": level}
     rail["conditioning"] = conditioning | {"recovered": round(level * conditioning["recovered"], 5)}
     if name == "trapezoid":
         rail |= {"kind": "points", "over": "time", "points": _steps(candidate, level)}
-        changes: dict[str, Any] = {"adhesion": rail}
+        changes: TomlTable = {"adhesion": rail}
     else:
         changes = {f"adhesion.{key}": value for key, value in rail.items()}
     if name == "random":
@@ -270,14 +270,14 @@ def pressures_of(brake: float) -> tuple[float, ...]:
 
 
 @cache
-def _conditioning(name: str) -> dict[str, Any]:
+def _conditioning(name: str) -> TomlTable:
     conditioning = Scenario.load(name).adhesion.conditioning
     if conditioning is None:
         raise ValueError(f"{name}: [adhesion.conditioning] is missing; the rises of friction to the rear need it")
     return {"fraction": conditioning.fraction, "recovered": conditioning.recovered, "by": conditioning.by}
 
 
-def law_of(candidate: Candidate) -> dict[str, Any]:
+def law_of(candidate: Candidate) -> dict[str, float]:
     """Return the parameters of the law as printed with a candidate's numbers, without the guard at low speed."""
     searched = {name: getattr(candidate, name) for name in ("filter_time", "slip_small")}
     return searched | {"adhesion_small": ADHESION_SMALL, "speed_min": 0.0}
