@@ -226,7 +226,7 @@ strict-types: $(DEV) typed
 ESTIMATIONS := harness/estimation/library
 
 estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, build/estimate
-	$(PROGRAM) study roller_rig $(OPTIONS)
+	$(RUN) tools pages roller_rig
 	$(PROGRAM) observability $(ESTIMATIONS)/rig_own.toml
 	$(PROGRAM) observability $(ESTIMATIONS)/wagon.toml
 	$(PROGRAM) estimate $(ESTIMATIONS)/wagon.toml

@@ -18,7 +18,7 @@ COMMANDS = {
     "run": (("run", "trapezoid", *SHORT), ("stop.json", "trace.nc")),
     "campaign": (("campaign", "table1", *SHORT), ("campaign.json", "index.html", "table1.json", "table1.md")),
     "stop of a campaign": (("campaign", "table1", *SHORT), ("trapezoid-ideal-slip_two_state/trace.nc",)),
-    "study": (("study", "roller_rig"), ("index.html", "anything.csv")),
+    "study": (("study", "pad_monitor"), ("index.html", "anything.csv")),
     "estimate": (("estimate", str(ESTIMATION)), ("estimates.nc", "estimates.png")),
     "observability": (("observability", str(ESTIMATION)), ("observability.csv", "observability.png")),
     "export": (("export", "plain", "--library"), ("plain.h", "notes.txt")),
@@ -40,8 +40,6 @@ def test_an_obstructing_file_is_reported_before_anything_runs(
     for place in (
         "campaign.sweep.run_stop",
         "cli.estimation.estimate_of",
-        "studies.roller_rig.run_stop",
-        "studies.roller_rig.estimate_of",
         "campaign.workers.pool",
         "simulate.run.run_stop",
     ):

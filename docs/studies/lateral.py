@@ -38,8 +38,6 @@
 # *chosen*: our number was chosen after the published one, so that their difference is not a result.
 
 # %%
-from pathlib import Path
-
 import lateral_runs as runs
 import numpy as np
 import pandas as pd
@@ -55,6 +53,7 @@ from railgrip.estimation.lateral.wheelset import (
     STIFFNESS_PLANTS,
     TESTS,
 )
+from railgrip.report import style
 from railgrip.report.table import share
 
 # %% tags=["parameters"]
@@ -86,11 +85,9 @@ def with_intervals(frame, *names):
 
 def picture(name, description):
     """Show the typical run of a test, which is drawn unless its file exists."""
-    file = Path(f"lateral_{name}.png")
-    if not file.exists():
-        seeds = typical.set_index("test")["seed"]
-        runs.draw(name, int(seeds[name if name in seeds else runs.TRANSITION]), size["duration"], file)
-    print(f"![{description}]({file})")
+    seeds = typical.set_index("test")["seed"]
+    run = name, int(seeds[name if name in seeds else runs.TRANSITION]), size["duration"]
+    print(style.picture(f"lateral_{name}.png", description, lambda: runs.typical_figure(*run)))
 
 
 # %%

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from PIL import Image
 
 from railgrip.campaign.work import work
 from railgrip.estimation.lateral.information import errors_of_run, information
@@ -373,10 +372,7 @@ def spike_figure(trace: Trace) -> Figure:
     return drawing
 
 
-def draw(name: str, seed: int, duration: float, file: Path) -> None:
+def typical_figure(name: str, seed: int, duration: float) -> Figure:
     """Draw a run of a test on the plant that the filters know, or "spike", the first change of the transition."""
     case = cases_of(TRANSITION if name == "spike" else name, "paper", seed, duration)[-1]
-    style.save(spike_figure(simulate(case)) if name == "spike" else test_figure(case), file)
-    # A palette is sufficient for lines in a few colours, and the file is a third as large.
-    picture = Image.open(file).convert("RGB")
-    picture.quantize(128, Image.Quantize.MAXCOVERAGE).save(file, optimize=True)
+    return spike_figure(simulate(case)) if name == "spike" else test_figure(case)

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter
+from PIL import Image
 
 from railgrip.base.files import replacing
 from railgrip.report.palette import BLACK
@@ -147,6 +148,21 @@ def save(drawing: Figure, path: Path, description: str | None = None) -> Path:
     with replacing(path) as partial, rc_context({"svg.hashsalt": path.name}):
         drawing.savefig(partial, format=kind[1:], dpi=150, metadata=cast(Any, dates[kind]))
     return path
+
+
+def picture(file: str, words: str, draw: Callable[[], Figure]) -> str:
+    """Return a PNG file as a picture in Markdown, after it was drawn unless it exists: pages of studies store those of
+    long runs.
+    """
+    if not Path(file).exists():
+        reduce_colours(save(draw(), Path(file)))
+    return f"![{words}]({file})"
+
+
+def reduce_colours(path: Path) -> None:
+    """Write a PNG file anew with a palette, sufficient for lines in a few colours: the file is a third as large."""
+    drawn = Image.open(path).convert("RGB")
+    drawn.quantize(128, Image.Quantize.MAXCOVERAGE).save(path, optimize=True)
 
 
 def save_as(drawing: Figure, path: Path, formats: Sequence[str]) -> None:

@@ -88,7 +88,7 @@ COMMANDS = {
     "maintain regress --baselines small --out out/regress --workers 1 --import-from . --json": "small/etcs.toml",
     "maintain regress --baselines small --out out/regress --workers 1 --junit out/junit.xml": "out/junit.xml",
     "maintain accept --reason R --baselines small --out out/regress": "nothing changed",
-    "study": "roller_rig",
+    "study": "type_test",
     "study benefit vt642 --quick": "gains.csv",
     "study benefit emu387 --measures sand --line leaves --controller slip_two_state --draws 2 --write": "gains.csv",
     "study estimators --estimator constant --train emu387 --cases 2 --sealed": "index.html",
@@ -181,7 +181,7 @@ ELSEWHERE = {
 """Target, command or option → the test that runs it."""
 
 WHOLE = {
-    "--write": ("estimators", "papers", "axle_box", "roller_rig", "field_test"),
+    "--write": ("estimators", "papers", "axle_box", "field_test"),
     "--fit": ("papers",),
     "--loop": ("estimators",),
     "--bench": ("axle_box",),

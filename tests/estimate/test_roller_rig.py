@@ -3,30 +3,28 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
+import rig_tests
 import xarray
 
 from railgrip.estimation.judgement import judge
-from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
-from railgrip.recording.samples import reading_of, recording_of, truth_of
-from railgrip.report.style import save
-from railgrip.scenario.load import load
-from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.studies.bench import rig_step
-from railgrip.studies.papers import adhesion_and_brake_friction as published
-from railgrip.studies.roller_rig import (
-    ENCODERS,
-    FIT_PERIODS,
-    PERIODS,
-    R_OF_SPEED,
-    WRONG_START,
-    encode,
+from railgrip.estimation.roller_rig import (
+    LIMIT,
+    brakings,
     excursions,
     outside_events,
     recording_of_rig,
     resample,
-    tunings,
+    response,
+    settling,
+    slides,
 )
+from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
+from railgrip.recording.samples import reading_of, recording_of, truth_of
+from railgrip.report.style import save
+from railgrip.scenario.load import load
+from railgrip.studies.bench import rig_step
 
 
 def shortened(name, horizon, **changes):
@@ -66,23 +64,20 @@ def test_adhesion_passes_its_peak_falls_recovers_and_vanishes(sand):
     assert alpha[deepest] == pytest.approx(0.05, abs=0.005)
     assert second.max() == pytest.approx(0.1, abs=0.01)
     assert second[np.argmax(second) :].min() < 0.005
-    assert published.slides(sand) == 1
+    assert slides(sand) == 1
 
 
 def test_figures_are_readable(sand, tmp_path):
     """tests/conftest.py checks every saved figure. Time is stretched because the text describes tests up to 110 s."""
     filters = [load_specification(LIBRARY / f"{name}.toml") for name in ("rig_paper", "rig_own")]
     estimates = {filter_.name: estimate_of(filter_, sand) for filter_ in filters}
-    slide = published.points_of_slide(sand, VehicleData(load(Path("rig_sand"))).contact)
     recording, *longer = (one.assign_coords(time=11 * one["time"].values) for one in (sand, *estimates.values()))
     for name, drawing in {
-        "wagon": published.wagon_figure(),
-        "rig": published.rig_figure(),
-        "points": published.qualitative_figure(slide),
-        "slide": published.record_figure("rig_slide", recording, dict(zip(estimates, longer, strict=True))),
-        "sand": published.record_figure("rig_sand", recording, dict(zip(estimates, longer, strict=True))),
-        "over slip": published.over_slip_figure(sand, estimates),
-        "tunings": tunings(sand, estimates),
+        "wagon": rig_tests.wagon_figure(),
+        "rig": rig_tests.rig_figure(),
+        "slide": rig_tests.record_figure("rig_slide", recording, dict(zip(estimates, longer, strict=True))),
+        "sand": rig_tests.record_figure("rig_sand", recording, dict(zip(estimates, longer, strict=True))),
+        "over slip": rig_tests.over_slip_figure(sand, estimates),
     }.items():
         assert save(drawing, tmp_path / f"{name}.png").is_file()
 
@@ -91,10 +86,10 @@ def test_figures_are_readable(sand, tmp_path):
 def test_a_wrong_initial_adhesion_is_corrected_within_tenths_of_a_second(sand, name):
     """Figures 4 and 5: "in the first few tenths of a second"; later estimates do not depend on the start."""
     wrong, right = (
-        estimate_of(load_specification(LIBRARY / f"{name}.toml", start), sand) for start in (WRONG_START, ())
+        estimate_of(load_specification(LIBRARY / f"{name}.toml", start), sand) for start in (rig_tests.WRONG_START, ())
     )
-    assert published.settling(sand, right) == 0.0
-    assert 0.0 < published.settling(sand, wrong) < 0.3
+    assert settling(sand, right) == 0.0
+    assert 0.0 < settling(sand, wrong) < 0.3
     later = sand["time"].values > 1.0
     apart = (wrong["mean"] - right["mean"]).sel(state=["group_adhesion", "pad_friction"]).values[later]
     # A thousandth of the initial error.
@@ -199,8 +194,8 @@ def test_excursions_inside_and_outside_events_are_counted_and_timed():
     counts = excursions(*protected(error, busy), settled=0.1)
     assert (counts["excursions"], counts["samples_outside"]) == (2, 1)
     assert counts["longest"] == pytest.approx(5 * PERIOD)
-    assert counts["adhesion_largest"] == pytest.approx(0.05)
-    assert counts["adhesion_outside"] == pytest.approx(0.03)
+    assert counts["largest"] == pytest.approx(0.05)
+    assert counts["outside"] == pytest.approx(0.03)
     assert not counts["kept"]
 
 
@@ -221,15 +216,15 @@ def test_the_benchmark_steps_the_filter_of_the_rig():
 def test_encoder_errors_have_the_variance_of_equation_20():
     """Rounding to steps of √(12 R) has the variance R if the speed passes many steps; 1e5 samples give it to 1 %."""
     speed = np.linspace(33.0, 1.0, 100_000)
-    for encoder in ENCODERS[1:]:
-        first, second = (encode(speed, encoder, draw) - speed for draw in (0, 1))
-        assert np.var(first) == pytest.approx(R_OF_SPEED, rel=0.02)
+    for encoder in rig_tests.ENCODERS[1:]:
+        first, second = (rig_tests.encode(speed, encoder, draw) - speed for draw in (0, 1))
+        assert np.var(first) == pytest.approx(rig_tests.R_OF_SPEED, rel=0.02)
         assert not np.array_equal(first, second)
-    assert np.array_equal(encode(speed, ENCODERS[0], 0), speed)
+    assert np.array_equal(rig_tests.encode(speed, rig_tests.ENCODERS[0], 0), speed)
 
 
 @pytest.mark.parametrize("name", ["rig_slide", "rig_sand"])
-@pytest.mark.parametrize("period", sorted({*PERIODS, *FIT_PERIODS}))
+@pytest.mark.parametrize("period", [5e-3, 10e-3, 12e-3, 16e-3, 20e-3, 30e-3])
 def test_every_period_of_the_study_is_a_scenario_whose_samples_have_that_distance(name, period):
     """The plant takes at most 10 ms a step; readings are sampled every period."""
     scenario = resample(name, period, 1e-4).revised({"limits": {"horizon": "1 s"}})
@@ -237,3 +232,81 @@ def test_every_period_of_the_study_is_a_scenario_whose_samples_have_that_distanc
     time = recording_of_rig(scenario)["time"].values
     assert np.diff(time) == pytest.approx(np.full(time.size - 1, period), abs=1e-9)
     assert time.size >= 1.0 / period - 1
+
+
+def test_brake_applications_before_the_long_pause_are_the_short_ones():
+    time = np.arange(6000) * PERIOD
+    begins = np.array([18.0, 24.0, 30.0, 42.0, 44.0, 46.0, 48.0])
+    force = np.zeros(time.size)
+    for begin in begins:
+        force[(time >= begin) & (time < begin + 1)] = 2e4
+    short, stop, rate = brakings(recording_of({"pad_force": (force, "N")}, period=PERIOD))
+    assert stop == pytest.approx(42.0, abs=2 * PERIOD)
+    assert np.ravel(short) == pytest.approx([18.0, 19.0, 24.0, 25.0, 30.0, 31.0], abs=2 * PERIOD)
+    # Four brake applications until the end, at 60 s.
+    assert rate == pytest.approx(4 / 18, rel=1e-3)
+
+
+def test_errors_above_the_limit_count_once_per_interval_in_the_deep_slide():
+    time = np.arange(1300) * PERIOD
+    error = np.zeros(time.size)
+    for begin, end in ((1.0, 1.1), (4.0, 4.2), (6.0, 6.01), (12.0, 12.5)):
+        error[(time >= begin) & (time < end)] = -1.1 * LIMIT
+    error[(time >= 8.0) & (time < 8.5)] = 0.9 * LIMIT
+    counts = excursions(*protected(error, np.zeros(time.size)), settled=0.5)
+    assert (counts["peaks"], counts["excursions"]) == (2, 4)
+
+
+def test_the_start_is_corrected_when_the_error_stays_within_the_limit():
+    time = np.arange(300) * PERIOD
+    for begin, end, expected in (
+        (0.0, 0.3, 0.3),
+        (0.2, 0.4, 0.4),
+        (0.0, 0.0, 0.0),
+        (0.0, 1.5, np.inf),
+        (2.5, 2.6, 0.0),
+    ):
+        error = 1.5 * LIMIT * ((time >= begin - 1e-9) & (time < end - 1e-9))
+        found = settling(*protected(error, np.zeros(300)))
+        assert found == pytest.approx(expected, abs=PERIOD / 10)
+
+
+def test_the_response_of_a_lag_is_its_time_constant():
+    """Pad force with a lag of 0.2 s behind two interventions."""
+    time = np.arange(2000) * PERIOD
+    busy, force = np.zeros(time.size), np.full(time.size, 4e4)
+    for begin in (4.0, 12.0):
+        since = time - begin
+        part = (since >= -PERIOD / 2) & (since < 3.0)
+        busy[part], force[part] = 1.0, 4e4 * np.exp(-since[part] / 0.2)
+    recording = recording_of({"pad_force": (force, "N"), "protecting": (busy, "1")}, period=PERIOD)
+    assert response(recording) == pytest.approx(0.2, abs=2 * PERIOD)
+
+
+@pytest.fixture(scope="module")
+def slide():
+    """Points and lines of figure 3: part → slips and adhesions."""
+    return pd.DataFrame(rig_tests.slide_rows("rig_sand"))
+
+
+def test_the_release_is_beyond_the_peak_and_the_wheelset_returns_over_it(slide):
+    peak, released, rolling = (slide[slide["part"] == part].iloc[0] for part in ("peak", "released", "rolling"))
+    assert rolling.slip < peak.slip < released.slip
+    assert max(released.adhesion, rolling.adhesion) < 0.7 * peak.adhesion
+    way = slide[slide["part"] == "way"]
+    assert way["slip"].iloc[0] == way["slip"].max() == released.slip
+    assert np.mean(np.diff(way["slip"]) < 0) > 0.99
+    # Friction scatters by 5 % along the roller.
+    assert way["adhesion"].max() == pytest.approx(peak.adhesion, rel=0.1)
+    assert 0.3 * peak.slip < way["slip"][way["adhesion"].idxmax()] < 3 * peak.slip
+    # The curve has 60 points between 0.1 and 50 %; the friction of a row holds until the next one.
+    curve = slide[slide["part"] == "curve"]
+    assert np.interp(released.slip, curve["slip"], curve["adhesion"]) == pytest.approx(released.adhesion, rel=0.01)
+
+
+def test_figures_have_axes_with_units_and_marks_of_the_text(slide):
+    (panel,) = rig_tests.qualitative_figure(slide).axes
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("slip [%]", "adhesion")
+    assert [text.get_text() for text in panel.texts] == ["1", "2", "3"]
+    forces = {text.get_text() for text in rig_tests.wagon_figure().axes[0].texts}
+    assert {"$F_{x,f}$", "$F_{z,r}$", "$m g$", "$v_x$", "$h$", "$a$"} <= forces

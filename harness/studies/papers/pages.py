@@ -12,7 +12,6 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from PIL import Image
 
 from railgrip.base.files import write_json
 from railgrip.report import palette, style
@@ -93,9 +92,7 @@ def write_results(
     for name, figure in (figures or {}).items():
         path = style.save(figure, FOLDER / "figures" / name)
         if path.suffix == ".png":
-            # A palette is sufficient for lines in a few colours, and the file is a third as large.
-            picture = Image.open(path).convert("RGB")
-            picture.quantize(128, Image.Quantize.MAXCOVERAGE).save(path, optimize=True)
+            style.reduce_colours(path)
     if measures is not None:
         write_json(_measures_file(page), measures)
 
