@@ -225,8 +225,8 @@ strict-types: $(DEV) typed
 
 ESTIMATIONS := harness/estimation/library
 
-estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, build/estimate
-	$(RUN) tools pages roller_rig
+estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, docs/studies, build/estimate
+	$(RUN) tools pages roller_rig field_test $(OPTIONS)
 	$(PROGRAM) observability $(ESTIMATIONS)/rig_own.toml
 	$(PROGRAM) observability $(ESTIMATIONS)/wagon.toml
 	$(PROGRAM) estimate $(ESTIMATIONS)/wagon.toml
@@ -236,11 +236,10 @@ estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' fi
 	  --set model.parameters.adhesion_transfer=0
 	$(PROGRAM) observability $(ESTIMATIONS)/field.toml
 	$(PROGRAM) estimate $(ESTIMATIONS)/field.toml
-	$(PROGRAM) study field_test $(OPTIONS)
 
-tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/studies/field_test/library
-	$(RUN) tools tune paper --out harness/studies/field_test/library/paper.toml $(OPTIONS)
-	$(RUN) tools tune consistent --out harness/studies/field_test/library/consistent.toml $(OPTIONS)
+tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/estimation/field_test/library
+	$(RUN) tools tune paper --out harness/estimation/field_test/library/paper.toml $(OPTIONS)
+	$(RUN) tools tune consistent --out harness/estimation/field_test/library/consistent.toml $(OPTIONS)
 
 lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters, docs/studies/lateral.md
 	$(RUN) tools pages lateral $(OPTIONS)

@@ -260,7 +260,7 @@ def test_commands_import_from_the_folders_on_their_command_line(name, laws, tmp_
 
 
 def test_every_command_that_runs_scenarios_accepts_folders(command):
-    studies = ("study type_test", "study k_factors", "study field_test")
+    studies = ("study type_test", "study k_factors")
     tools = ("tools conditioning", "tools tune")
     for words in ("run", "campaign", "estimate", "observability", "maintain regress", *studies, *tools):
         assert "--import-from" in command(*words.split(), "--help").out, words

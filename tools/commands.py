@@ -4,7 +4,9 @@
 """
 
 import shutil
+from collections.abc import Callable
 from fnmatch import fnmatch
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -35,9 +37,22 @@ from railgrip.base.files import write_text
 from railgrip.base.records import make_folder
 from railgrip.base.registry import shelf
 from railgrip.campaign.run import CampaignRun
-from railgrip.campaign.work import work
+from railgrip.campaign.work import call, work
 from railgrip.cli.app import BASELINES, Fresh, ImportFrom, Workers, command_of, program
 from railgrip.cli.campaigns import run_campaigns
+from railgrip.estimation.field_test.filtering import (
+    TUNING,
+    cases,
+    divergence_time,
+    equations,
+    filter_of,
+    follow,
+    run,
+    save_noise,
+    task_of,
+)
+from railgrip.estimation.field_test.score import DIVERGED, Generations, Search
+from railgrip.estimation.field_test.score import tune as search_for
 from railgrip.fmus.build import Compiler, choose
 from railgrip.report.baseline import Baseline, load_baseline, write_baseline
 from railgrip.report.console import answer, progress, say, show_table
@@ -46,19 +61,6 @@ from railgrip.report.style import save
 from railgrip.report.table import ReportTable, write_tables, yes_no
 from railgrip.scenario.campaign import Campaign, load_campaign
 from railgrip.scenario.conditioning import RepeatedDistances, read_conditioning, text_of
-from railgrip.studies.field_test.filtering import (
-    TUNING,
-    cases,
-    divergence_time,
-    equations,
-    filter_of,
-    follow,
-    runs,
-    save_noise,
-    task_of,
-)
-from railgrip.studies.field_test.score import DIVERGED, Search
-from railgrip.studies.field_test.score import tune as search_for
 from railgrip.studies.papers.table1 import SBC
 
 FOREIGN = Path("docs/foreign_fmus.md")
@@ -255,10 +257,17 @@ def tune(
         raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
     search = Search(population=population, generations=generations, stage=stage, seed=seed)
     with work("field_test", workers=workers) as job:
-        field_runs = runs(cases(campaign), TUNING, job, import_from or ())
+        one_run = partial(run, import_from=tuple(import_from or ()))
+        field_runs = job.map(one_run, list(cases(campaign, TUNING).items()), keep=not import_from)
         model = equations()
-        tasks = [task_of(run.braking, model) for run in field_runs.values()]
-        noise, value, history = search_for(kind, tasks, search, job)
+        tasks = [task_of(field_run.braking, model) for field_run in field_runs]
+
+        def run_stage(stage: Callable[[], Generations]) -> Generations:
+            (found,) = job.map(call, [stage])
+            job.notify(f"best {found[1]:.6f} m/s")
+            return found
+
+        noise, value, history = search_for(kind, tasks, search, job.count, run_stage)
     command = (
         f"python tools tune {kind} --population {population} --generations {generations} --stage {stage} "
         f"--seed {seed} --out {out}"
@@ -272,7 +281,7 @@ def tune(
     )
     say(f"{kind}: {value:.6f} m/s after {len(history)} generations")
     filter_ = filter_of(model, tasks[0].data.period)
-    for case, task in zip(field_runs, tasks, strict=True) if value < DIVERGED else ():
+    for case, task in zip(TUNING, tasks, strict=True) if value < DIVERGED else ():
         instant = divergence_time(task, follow(task, filter_, noise))
         if instant is not None:
             say(f"Case {case}: the filter is lost from {instant:.2f} s on, its innovations are far beyond its claims.")

@@ -21,6 +21,18 @@ from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.campaign.work import Work
 from railgrip.campaign.workers import environment
 from railgrip.controllers.observation import Observation
+from railgrip.estimation.field_test.filtering import (
+    PHYSICAL,
+    TEST,
+    cases,
+    filter_of,
+    follow,
+    prediction,
+    run,
+    specification,
+    task_of,
+)
+from railgrip.estimation.field_test.score import evaluate
 from railgrip.estimation.models import of_class
 from railgrip.estimation.motion import braking_of
 from railgrip.estimation.run import by_name
@@ -47,18 +59,6 @@ from railgrip.simulate.named_models import prediction_description, prediction_mo
 from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.simulate.train_prediction import central_of, consist_of, start_of
 from railgrip.simulate.user_parts import CustomParts
-from railgrip.studies.field_test.filtering import (
-    PHYSICAL,
-    TEST,
-    cases,
-    filter_of,
-    follow,
-    prediction,
-    run,
-    specification,
-    task_of,
-)
-from railgrip.studies.field_test.score import evaluate
 from railgrip.studies.study import Study
 from railgrip.vehicle.formation import Formation
 

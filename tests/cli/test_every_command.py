@@ -124,7 +124,8 @@ MAKE = {
     "calibrate OPTIONS='--scenario trapezoid --out out/levels'": "out/levels/trapezoid.toml",
     "tune-control OPTIONS='--law slip_three_state --cases 1 --version 2 --budget 5 --workers 1 --out out'":
         "out/slip_three_state.type_test_2.toml",
-    f"tune OPTIONS='{SEARCH} --campaign {NEW}/field_test.toml'": "harness/studies/field_test/library/consistent.toml",
+    f"tune OPTIONS='{SEARCH} --campaign {NEW}/field_test.toml'":
+        "harness/estimation/field_test/library/consistent.toml",
     f"type-test OPTIONS='--version 2 --cases 24 --shipped --against slip_two_state --write {OF_STUDIES} out/type_test'":
         "out/type_test/version_2/index.html",
     "trains OPTIONS=--quick": "build/studies/trains/trains.md",
@@ -134,7 +135,7 @@ MAKE = {
     f"monitor OPTIONS='--seeds 1 --stops 40 --pressure-offset 4000 {OF_STUDIES} out/pads'": "out/pads/index.html",
     "k-factors OPTIONS='--set estimate.samples=20 --set estimate.runs=2 --set loop.samples=20 --set loop.runs=2"
     f" --import-from . --write {OF_STUDIES} out/k_factors'": "out/k_factors/k_factors.json",
-    f"estimate OPTIONS='--quick {OF_STUDIES} out/estimate_studies'": "build/estimate/wagon-relaxing/index.html",
+    "estimate OPTIONS=--quick": "build/estimate/wagon-relaxing/index.html",
     "mutants OPTIONS='--stops trapezoid-ideal-slip_two_state --only A_piston --workers 1'":
         "1 of 1 mutants were noticed",
     "test TESTS=tests/test_units.py BASELINES=small": "processor time: ",
@@ -181,12 +182,10 @@ ELSEWHERE = {
 """Target, command or option → the test that runs it."""
 
 WHOLE = {
-    "--write": ("estimators", "papers", "axle_box", "field_test"),
+    "--write": ("estimators", "papers", "axle_box"),
     "--fit": ("papers",),
     "--loop": ("estimators",),
     "--bench": ("axle_box",),
-    "--campaign": ("field_test",),
-    "--import-from": ("field_test",),
 }  # fmt: skip
 """Options of studies that take minutes in any form, and are not run here: they write the numbers of the whole study."""
 

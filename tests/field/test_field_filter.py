@@ -1,24 +1,14 @@
 """The filter of the field test and its tuning, on case 1, which is the shortest."""
 
-from pathlib import Path
-
+import field_runs
 import numpy as np
 import pandas as pd
 import pytest
 
 from railgrip.base.errors import EstimationError, EstimatorError, ScenarioError
-from railgrip.campaign.work import work
-from railgrip.estimation.motion import brake_mask, braking_of, traction_mask
-from railgrip.estimation.results import observe, with_estimates_as_truth
-from railgrip.estimation.sources import recording_for
-from railgrip.estimation.spec import estimate_of
-from railgrip.recording.samples import reading_of, truth_of, with_signals
-from railgrip.report.style import save
-from railgrip.rolling_stock.schema import load_train
-from railgrip.studies.field_test import figures, filtering
-from railgrip.studies.field_test.field_test_study import noise_table
-from railgrip.studies.field_test.figures import oscillation
-from railgrip.studies.field_test.filtering import (
+from railgrip.campaign.work import call, work
+from railgrip.estimation.field_test import filtering
+from railgrip.estimation.field_test.filtering import (
     NOISES,
     PHYSICAL,
     Noise,
@@ -29,8 +19,14 @@ from railgrip.studies.field_test.filtering import (
     save_noise,
     task_of,
 )
-from railgrip.studies.field_test.filtering import run as run_case
-from railgrip.studies.field_test.score import Search, common_factor, limits, score, terms_of, track_score, tune, value
+from railgrip.estimation.field_test.filtering import run as run_case
+from railgrip.estimation.field_test.score import Search, limits, score, terms_of, track_score, tune, value
+from railgrip.estimation.motion import brake_mask, braking_of, traction_mask
+from railgrip.estimation.results import observe, with_estimates_as_truth
+from railgrip.estimation.sources import recording_for
+from railgrip.estimation.spec import estimate_of
+from railgrip.recording.samples import reading_of, truth_of, with_signals
+from railgrip.report.style import save
 
 
 @pytest.fixture(scope="module")
@@ -176,10 +172,11 @@ def test_a_retuned_filter_equals_a_new_one(task, model):
 
 def test_the_objective_of_the_paper_has_blind_spots(task, filter_):
     """It does not change with a common factor on all covariances, and it rewards repeating the readings."""
-    sweep = common_factor([task], filter_, PHYSICAL)
+    factors = np.array([1e-4, 1.0, 1e4])
+    terms = [terms_of(task, follow(task, filter_, PHYSICAL.scale(f, f), start_scale=f)) for f in factors]
     # Gains are equal but for rounding; the claimed variance follows the factor exactly.
-    np.testing.assert_allclose(sweep["deviation"], sweep["deviation"][0], rtol=1e-6)
-    np.testing.assert_allclose(sweep["nees"] * sweep["factor"], sweep["nees"][0] * sweep["factor"][0], rtol=1e-6)
+    np.testing.assert_allclose([one.deviation for one in terms], terms[1].deviation, rtol=1e-6)
+    np.testing.assert_allclose([one.nees for one in terms] * factors, terms[1].nees, rtol=1e-6)
     honest, blind = (terms_of(task, follow(task, filter_, PHYSICAL.scale(f, 1.0))) for f in (1.0, 1e-7))
     assert value("paper", [blind]) < 0.01 * value("paper", [honest])
     assert value("consistent", [blind]) > value("consistent", [honest])
@@ -188,7 +185,7 @@ def test_the_objective_of_the_paper_has_blind_spots(task, filter_):
 def test_noises_at_a_bound_of_the_search_are_marked():
     bounds = np.array(limits())
     sets = {"inside": bounds.mean(axis=1), "low": bounds[:, 0] + 0.05, "high": bounds[:, 1] - 0.05}
-    for row in noise_table({name: Noise.of(logarithms) for name, logarithms in sets.items()}).texts:
+    for row in field_runs.noise_rows({name: Noise.of(logarithms) for name, logarithms in sets.items()}):
         assert [row[name].endswith(" (bound)") for name in sets] == [False, True, True]
 
 
@@ -196,22 +193,19 @@ def test_an_oscillation_is_found_at_its_position():
     """A pulse of 5 % and 0.2 s on a rise over 20 s; the mean over two seconds takes a tenth of it."""
     time = 80.0 + 0.02 * np.arange(1000)
     friction = (0.35 + 0.002 * (time - 80.0)) * np.where(np.abs(time - 86.0) < 0.1, 1.05, 1.0)
-    swing, instant = oscillation(time, friction)
+    swing, instant = field_runs.oscillation(time, friction)
     assert swing == pytest.approx(0.9 * 0.05, rel=0.1)
     assert instant == pytest.approx(86.0, abs=0.12)
 
 
 def test_figures_are_readable(case, task, filter_, tmp_path):
     """tests/conftest.py checks every saved figure."""
-    estimates = {title: follow(task, filter_, PHYSICAL) for title in ("sensors and physics", "with consistency")}
-    sweep = {name: np.array([1e-8, 1e-4, 1e2]) for name in ("factor", "deviation", "adhesion", "pad_friction", "nees")}
     for name, drawing in {
-        "train": figures.train_figure(load_train(Path("vt642"))),
-        "track": figures.track_figure(case),
-        "speed": figures.speed_figure(case.recording),
-        "readings": figures.readings_figure(case.braking),
-        "friction": figures.friction_figure(task, estimates),
-        "degeneracy": figures.degeneracy_figure(sweep, sweep),
+        "train": field_runs.train_figure(),
+        "track": field_runs.track_figure(case),
+        "speed": field_runs.speed_figure(case.recording),
+        "readings": field_runs.readings_figure(case.braking),
+        "friction": field_runs.friction_figure(task, follow(task, filter_, PHYSICAL)),
     }.items():
         assert save(drawing, tmp_path / f"{name}.png").is_file()
 
@@ -220,9 +214,8 @@ def test_figures_are_readable(case, task, filter_, tmp_path):
 def test_an_interrupted_search_ends_like_an_uninterrupted_one(task):
     def search(generations, fresh=False):
         with work("field_test", fresh=fresh) as own:
-            return tune(
-                "paper", [task], Search(population=8, generations=generations, stage=1, seed=3), own
-            ), own.run_count
+            size = Search(population=8, generations=generations, stage=1, seed=3)
+            return tune("paper", [task], size, own.count, lambda stage: own.map(call, [stage])[0]), own.run_count
 
     search(1)
     whole, run_count = search(2)

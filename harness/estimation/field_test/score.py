@@ -5,40 +5,33 @@ same with terms for consistency. A stage is a few generations from the populatio
 numbers: an interrupted search resumes after its last complete stage and ends with the result of an uninterrupted one.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from threading import local as thread_local
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
 from railgrip.base.errors import EstimationError, FilterDiverged
-from railgrip.campaign.work import Work, call
-from railgrip.estimation.judgement import rms
-from railgrip.estimators.belief import Array
-from railgrip.estimators.compiled import CompiledFilter, FilterRecord
-from railgrip.recording.samples import reading_of, truth_of
-from railgrip.scenario.schema import Scenario
-from railgrip.studies.field_test.filtering import (
+from railgrip.estimation.field_test.filtering import (
     GROUPS,
     NAMES,
     PHYSICAL,
-    TEST,
     FieldRun,
     FilterTask,
     Noise,
     equations,
     filter_of,
     follow,
-    prediction,
-    run,
-    task_of,
 )
+from railgrip.estimation.judgement import rms
+from railgrip.estimators.belief import Array
+from railgrip.estimators.compiled import CompiledFilter, FilterRecord
+from railgrip.recording.samples import reading_of, truth_of
 
 R_WHEEL = 0.38
 """Weight of |Δω| against |Δv| [m]: rim speeds count like the speed of the train."""
@@ -89,15 +82,15 @@ SETTLED = 1.0
 """Time that the filter needs to settle after the brake is applied [s]; the paper shows the same oscillation."""
 
 
-Figures = dict[str, Any]
+Figures = dict[str, float]
 """Errors by name."""
 
 
 def score(task: FilterTask, estimate: FilterRecord) -> Figures:
     """Return the errors of a filter over a braking, from a second after the brake is applied; estimate minus truth.
 
-    `deviation`, `nis` and `nees` as `terms_of`; RMSE of `speed` [m/s], of `adhesion` and `pad_friction` over all groups
-    and `…_of` each, and of `mean_pad_friction`, weighted by the braking torque of each group. `…_constant` is the RMSE
+    `deviation`, `nis` and `nees` as `terms_of`; RMSE of `speed` [m/s], of `adhesion` and `pad_friction` over all
+    groups, and of `mean_pad_friction`, weighted by the braking torque of each group. `…_constant` is the RMSE
     of the best constant, known only afterwards; a useful filter is better. `distance` is the relative error of the
     braking distance by the estimated speed.
 
@@ -122,9 +115,7 @@ def score(task: FilterTask, estimate: FilterRecord) -> Figures:
         "speed": rms(error[:, 0]),
         "distance": float(estimate.mean[braking, 0].sum()) / true_distance - 1.0,
         "adhesion": rms(adhesions),
-        "adhesion_of": np.sqrt((adhesions**2).mean(axis=0)),
         "pad_friction": rms(pads),
-        "pad_friction_of": np.sqrt((pads**2).mean(axis=0)),
         "mean_pad_friction": rms((pads * share).sum(axis=1)),
         "adhesion_constant": float(np.std(truth[:, of_adhesions])),
         "pad_friction_constant": float(np.std(truth[:, of_pads])),
@@ -148,71 +139,6 @@ def track_score(run: FieldRun) -> Figures:
         "distance": float(motion.distance[-1] / truth_of(run.recording, "distance")[-1]) - 1.0,
         "curvature": rms(course.curvature - curvature), "slope": rms(course.slope - slope), "force": rms(force),
     }  # fmt: skip
-
-
-SEEDS = tuple(range(1, 13))
-
-
-def over_seeds(
-    scenario: Scenario,
-    noises: Mapping[str, Noise],
-    work: Work,
-    import_from: Sequence[Path] = (),
-    seeds: Sequence[int] = SEEDS,
-) -> tuple[list[Figures], dict[str, list[Figures]]]:
-    """Return the errors of the track, and of the filter by the title of its noises, in case 6 with every seed.
-
-    Both are in the order of the seeds; `import_from` as for `run`.
-
-    Raises:
-        EstimationError: See `railgrip.studies.field_test.filtering.run`.
-    """
-    scenarios = [scenario.model_copy(update={"seed": seed}) for seed in seeds]
-    rows = work.map(partial(case_6, noises=noises, import_from=tuple(import_from)), scenarios, keep=not import_from)
-    return [track for track, _ in rows], {title: [scores[title] for _, scores in rows] for title in noises}
-
-
-def case_6(
-    scenario: Scenario, noises: Mapping[str, Noise], import_from: Sequence[Path] = ()
-) -> tuple[Figures, dict[str, Figures]]:
-    """Return the errors of a run: of its track, and of the filter by the title of its noises."""
-    model, field_run = prediction(), run((TEST, scenario), import_from)
-    task = task_of(field_run.braking, model)
-    filter_ = filter_of(model, task.data.period)
-    return track_score(field_run), {title: score(task, follow(task, filter_, noise)) for title, noise in noises.items()}
-
-
-COMMON = 10.0 ** np.arange(-4, 5, 1.0)
-TRUSTED = 10.0 ** np.arange(-8, 3, 1.0)
-
-
-Sweep = dict[str, Array]
-"""Figures over brakings for each `factor`: worst `deviation`, means of `adhesion`, `pad_friction` and `nees`."""
-
-
-def common_factor(tasks: Sequence[FilterTask], filter_: CompiledFilter, noise: Noise) -> Sweep:
-    """Return the effect of a factor on R, Q and the first covariance: none on the mean, proportional on variances."""
-    return _sweep(tasks, filter_, COMMON, lambda f: (noise.scale(f, f), f))
-
-
-def readings_trusted(tasks: Sequence[FilterTask], filter_: CompiledFilter, noise: Noise) -> Sweep:
-    """Return the effect of a factor on R alone: towards zero the filter repeats its readings, and (14) goes to zero."""
-    return _sweep(tasks, filter_, TRUSTED, lambda f: (noise.scale(f, 1.0), 1.0))
-
-
-def _sweep(
-    tasks: Sequence[FilterTask],
-    filter_: CompiledFilter,
-    factors: Array,
-    setting: Callable[[float], tuple[Noise, float]],
-) -> Sweep:
-    rows: list[dict[str, float]] = []
-    for factor in factors:
-        noise, start = setting(float(factor))
-        scores = [score(task, follow(task, filter_, noise, start)) for task in tasks]
-        means = {name: float(np.mean([s[name] for s in scores])) for name in ("adhesion", "pad_friction", "nees")}
-        rows.append({"factor": float(factor), "deviation": max(s["deviation"] for s in scores)} | means)
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
 BOUNDS: dict[str, tuple[float, float]] = {
@@ -251,8 +177,25 @@ class Search:
     seed: int
 
 
-def tune(kind: Kind, tasks: Sequence[FilterTask], search: Search, work: Work) -> tuple[Noise, float, list[float]]:
+Generations = tuple[Array, float, list[float]]
+"""Population after some generations, the best first, the value of the best, and the best after each generation."""
+
+
+def tune(
+    kind: Kind,
+    tasks: Sequence[FilterTask],
+    search: Search,
+    threads: int,
+    run_stage: Callable[[Callable[[], Generations]], Generations] = lambda stage: stage(),
+) -> tuple[Noise, float, list[float]]:
     """Return the noises that minimise an objective over brakings, its value, and the best after each generation.
+
+    Args:
+        kind: See `value`.
+        tasks: Brakings.
+        search: Size and seed of the search.
+        threads: Number of threads that evaluate candidates.
+        run_stage: Function that runs a stage, or returns its stored result.
 
     Raises:
         EstimationError: The brakings have different periods.
@@ -263,10 +206,9 @@ def tune(kind: Kind, tasks: Sequence[FilterTask], search: Search, work: Work) ->
     population, history, lowest = _first(search), list[float](), np.inf
     while len(history) < search.generations:
         generations, draws = min(search.stage, search.generations - len(history)), (search.seed, len(history))
-        stage = partial(_evolve, kind, tasks, population, generations, draws, work.count)
-        ((population, lowest, best_of_each),) = work.map(call, [stage])
+        stage = partial(_evolve, kind, tasks, population, generations, draws, threads)
+        population, lowest, best_of_each = run_stage(stage)
         history += best_of_each
-        work.notify(f"generation {len(history)}, best {lowest:.6f} m/s")
         if not best_of_each:
             break
     return Noise.of(population[0]), lowest, history
@@ -274,7 +216,7 @@ def tune(kind: Kind, tasks: Sequence[FilterTask], search: Search, work: Work) ->
 
 def _evolve(
     kind: Kind, tasks: Sequence[FilterTask], population: Array, generations: int, draws: tuple[int, int], threads: int
-) -> tuple[Array, float, list[float]]:
+) -> Generations:
     """Return the population after a stage, the best first, its value, and the best after each generation.
 
     Args:

@@ -1,9 +1,12 @@
-"""Figures 1 to 5 of Schwarz, Lüdicke and Heckmann (2019): comparison with the simulated case 6, and drawings of it.
+"""Runs of the field test of Schwarz, Lüdicke and Heckmann (2019), simulated: filters against true values, and drawings.
 
 Drawings have marks where the text of the paper has numbers.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pymap3d
@@ -13,99 +16,143 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 from scipy.ndimage import uniform_filter1d
 
+from railgrip.estimation.field_test.filtering import (
+    GROUPS,
+    NAMES,
+    NOISES,
+    PHYSICAL,
+    TEST,
+    UNITS,
+    FieldRun,
+    FilterTask,
+    Noise,
+    cases,
+    filter_of,
+    follow,
+    load_noise,
+    prediction,
+    run,
+    task_of,
+)
+from railgrip.estimation.field_test.score import R_WHEEL, limits, score, track_score
 from railgrip.estimation.motion import Braking, brake_mask, traction_mask
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import FilterRecord
 from railgrip.recording.samples import reading_of
 from railgrip.report import palette, style
-from railgrip.report.table import ReportTable
+from railgrip.report.baseline import Finding, mean
 from railgrip.rolling_stock.drawing import drawing as train_drawing
-from railgrip.rolling_stock.schema import Train
-from railgrip.studies.field_test.filtering import GROUPS, FieldRun, FilterTask
-from railgrip.studies.field_test.score import R_WHEEL, Sweep
-from railgrip.studies.papers.pages import PaperRow, comparison
+from railgrip.rolling_stock.schema import load_train
 
+TRAIN = Path("vt642")
+SEED = cases()[TEST].seed
+PUBLISHED = "sensors and physics"
+"""Noises of figure 5 in addition to the paper's."""
 TIMES = {
     "first drive ends": 20.0, "second drive begins": 38.0, "second drive ends": 70.0, "braking begins": 80.0,
     "standstill": 102.0,
 }  # fmt: skip
 """Times in figure 3 [s]."""
-_FOLLOWING = ("first drive ends", "second drive ends")
-"""Times that follow from the train; demands and slopes of case 6 were chosen to match the others."""
 START_SPEED = 85.0
-"""Speeds of case 6 in table 4 [km/h]."""
+"""Speed of case 6 in table 4 [km/h]."""
 PRESSURES = (3.4, 2.0)
 """Maximum pressure of motor bogie and Jacobs bogie, §3.2 [bar]."""
 OVERBRAKING = 82.0
-"""Times of motor bogie 1 in figure 4 [s]."""
+"""Time of motor bogie 1 in figure 4 [s]."""
 OSCILLATION = 81.0
-"""Duration of the oscillation of estimated brake friction in figure 5 [s], due to the first contact of the pads."""
+"""Time of the oscillation of estimated brake friction in figure 5 [s], due to the first contact of the pads."""
 ADHESIONS = (0.07, 0.15)
 """Adhesion of motor bogie 1 on the slippery section and elsewhere, figure 5."""
 MIDDLE = (3.95777632e6, 8.91479549e5, 4.90551675e6)
 """Middle of the test track, earth-centred [m], §3.2; the paper gives its latitude, longitude and height, too."""
-LOADS = (13.4, 14.1, 14.5, 14.5, 14.1, 13.4)
-"""Masses on the wheelsets, Table 3 [t]."""
-
-CURVED = 5e-4
+_CURVED = 5e-4
 """Curvature that counts as a curve, that of a radius of 2 km [1/m]."""
-SLIDING = 0.02
+_SLIDING = 0.02
 """Slip of motor bogie 1 above which it slides; it brakes with less than 1 % elsewhere."""
+MB1, JTB1 = 0, 1
+NOMINAL = 0.35
+"""Pad friction of new pads, which normalises the paper's figure."""
+GROUP_NAMES = ("motor bogie 1", "Jacobs bogie, front")
+COLOURS = (palette.BLUE, palette.ORANGE)
+
+Row = dict[str, Any]
 
 
-def compare_with_paper(train: Train, run: FieldRun, task: FilterTask, estimate: FilterRecord) -> ReportTable:
-    """Return the table of published and simulated quantities.
+def noises() -> dict[str, Noise]:
+    """Return the sets of noises: tuned for equation (14), tuned with consistency, and untuned."""
+    tuned = {"equation (14)": "paper", "with consistency": "consistent"}
+    return {title: load_noise(NOISES / f"{name}.toml") for title, name in tuned.items()} | {PUBLISHED: PHYSICAL}
 
-    Args:
-        train: Train of the scenario.
-        run: Case 6.
-        task: Braking of that case.
-        estimate: Estimates of the filter over that braking.
+
+def estimates_of(field_run: FieldRun) -> tuple[FilterTask, dict[str, FilterRecord]]:
+    """Return the braking of a run, and the estimates with each set of noises."""
+    task = task_of(field_run.braking, model := prediction())
+    filter_ = filter_of(model, task.data.period)
+    return task, {title: follow(task, filter_, noise) for title, noise in noises().items()}
+
+
+def rows(case: str, seed: int) -> list[Row]:
+    """Return a row for each set of noises: errors of the filter in a case with a seed, and of the recovered track.
+
+    See `score.score`; figures of `score.track_score` are called `track …`.
     """
-    return comparison([*_of_track(train, run), *_of_drive(run), *_of_braking(task, estimate)])
+    field_run = run((case, cases()[case].model_copy(update={"seed": seed})))
+    track = {f"track {name}": value for name, value in track_score(field_run).items()}
+    task, estimates = estimates_of(field_run)
+    return [{"noises": title} | score(task, estimate) | track for title, estimate in estimates.items()]
 
 
-def _of_track(train: Train, run: FieldRun) -> Sequence[PaperRow]:
-    plan, course = run.plan, run.braking.motion.course
-    middle = pymap3d.geodetic2ecef(plan.latitude, plan.longitude, plan.height)
-    curves = np.diff(np.append(False, course.curvature > CURVED).astype(int))
+def noise_rows(noises: Mapping[str, Noise]) -> list[Row]:
+    """Return the twelve noises of each set with the bounds of the search; those within a tenth of a decade of a bound
+    are marked.
+    """
+    found: list[Row] = []
+    for number, (name, unit, (low, high)) in enumerate(zip(NAMES, UNITS, limits(), strict=True)):
+        row: Row = {"entry": f"{name} [{unit}]"}
+        for title, noise in noises.items():
+            decades = noise.logarithms[number]
+            mark = " (bound)" if min(decades - low, high - decades) < 0.1 else ""
+            row[title] = f"{noise.values[number]:.2e}{mark}"
+        found.append(row | {"bounds": f"{10**low:.0e} – {10**high:.0e}"})
+    return found
+
+
+def compared_row(case: str, seed: int) -> Row:
+    """Return the quantities of a case that the paper has in words or numbers, in SI units; speeds in km/h.
+
+    Of the filter with noises of sensors and physics. `low`, `third`: adhesion of motor bogie 1 on its way into the
+    slide, median, and out of it, largest; `level`, `level_behind`: of motor bogie 1 and Jacobs bogie elsewhere;
+    `rise_1` …: changes of pad friction from the first to the last second without slide.
+    """
+    field_run = run((case, cases()[case].model_copy(update={"seed": seed})))
+    task, estimates = estimates_of(field_run)
+    return {**_of_run(field_run), **_of_braking(task, estimates[PUBLISHED])}
+
+
+def _of_run(field_run: FieldRun) -> Row:
+    plan, course, recording = field_run.plan, field_run.braking.motion.course, field_run.recording
+    middle = np.ravel(pymap3d.geodetic2ecef(plan.latitude, plan.longitude, plan.height))
+    curves = np.diff(np.append(False, course.curvature > _CURVED).astype(int))
     span = np.sort(plan.place(course.distance[[0, -1]]))
     grades = np.array([place for place, *_ in plan.grades])
-    published, ours = (" / ".join(f"{float(x) / 1e3:.3f}" for x in place) + " km" for place in (MIDDLE, middle))
-    changes = int(((grades > span[0]) & (grades < span[1])).sum())
-    return (
-        PaperRow("Fig. 1", "independent rotations", 4, len(train.groups), "{:d}", is_chosen=True),
-        PaperRow("Fig. 1", "mass, sum of Table 3", sum(LOADS), train.mass / 1e3, "{:.1f} t", is_chosen=True),
-        PaperRow("Fig. 2", "middle of the track, earth-centred", published, ours,
-                 difference=f"{np.linalg.norm(np.array(MIDDLE) - np.ravel(middle)):.1f} m"),
-        PaperRow("Fig. 2", "curves to the right", 2, int((curves == 1).sum()), "{:d}", is_chosen=True),
-        PaperRow("Fig. 2", "changes of slope", 3, changes, "{:d}", is_chosen=True),
-    )  # fmt: skip
-
-
-def _of_drive(run: FieldRun) -> Sequence[PaperRow]:
-    recording = run.recording
     time, speed = recording["time"].values, reading_of(recording, "speed")
     drives = np.flatnonzero(np.diff(traction_mask(recording).astype(int)))[1:4] + 1
     brake = int(np.argmax(brake_mask(recording)))
     # The recording ends at 0.3 m/s; the rest with the mean deceleration of the last second.
     second = round(1.0 / (time[1] - time[0]))
-    decelerating = np.polyfit(time[-second:], speed[-second:], 1)
-    standstill = float(-decelerating[1] / decelerating[0])
-    begin = float(time[brake])
-    ours = (*time[drives].tolist(), begin, standstill)
-    return (
-        *(PaperRow("Fig. 3", name, at, value, "{:.1f} s", f"{value - at:+.1f} s".replace("-", "−"),
-                   is_chosen=name not in _FOLLOWING)
-          for (name, at), value in zip(TIMES.items(), ours, strict=True)),
-        PaperRow("Fig. 3", "time of braking", TIMES["standstill"] - TIMES["braking begins"], standstill - begin,
-                 "{:.1f} s", is_chosen=True),
-        PaperRow("Fig. 3", "speed when braking begins", START_SPEED,
-                 style.KMH * float(speed[brake - second : brake].mean()), "{:.1f} km/h", is_chosen=True),
-    )  # fmt: skip
+    slope, level = np.polyfit(time[-second:], speed[-second:], 1)
+    times = (*time[drives].tolist(), float(time[brake]), float(-level / slope))
+    return {
+        **dict(zip(("x", "y", "z"), middle.tolist(), strict=True)),
+        "apart": float(np.linalg.norm(np.array(MIDDLE) - middle)),
+        "curves": int((curves == 1).sum()),
+        "grades": int(((grades > span[0]) & (grades < span[1])).sum()),
+        **dict(zip(("drive_ends", "drive_begins", "second_ends", "brakes", "stands"), times, strict=True)),
+        "speed": style.KMH * float(speed[brake - second : brake].mean()),
+    }
 
 
-def _of_braking(task: FilterTask, estimate: FilterRecord) -> Sequence[PaperRow]:
+def _of_braking(task: FilterTask, estimate: FilterRecord) -> Row:
     recording, brake = task.braking.recording, task.braking.brake
     time = recording["time"].values[1:]
     after = slice(brake - 1, None)
@@ -115,7 +162,7 @@ def _of_braking(task: FilterTask, estimate: FilterRecord) -> Sequence[PaperRow]:
                       (0, slice(1, 1 + GROUPS), slice(1 + 2 * GROUPS, 1 + 3 * GROUPS)))  # fmt: skip
     slip = 1 - R_WHEEL * w / v[:, None]
     moving = np.flatnonzero((time > time[after][0]) & (v > 2.0))
-    slide = moving[slip[moving, 0] > SLIDING]
+    slide = moving[slip[moving, 0] > _SLIDING]
     peak = slide[np.argmax(slip[slide, 0])]
     low = float(np.median(adhesion[slide[slide < peak], 0]))
     # Behind the slippery section the wheelsets are accelerated again, over the peak of the creep curve.
@@ -125,27 +172,21 @@ def _of_braking(task: FilterTask, estimate: FilterRecord) -> Sequence[PaperRow]:
     pads = estimate.mean[:, 1 + GROUPS : 1 + 2 * GROUPS]
     swing, swings_at = oscillation(time[after], pads[after, 0])
     early, late = (pads[rolling[part]].mean(axis=0) for part in (slice(0, 50), slice(-50, None)))
-    rises = " / ".join(f"{100 * (b / a - 1):+.1f} %" for a, b in zip(early, late, strict=True)).replace("-", "−")
-    return (
-        *(PaperRow("Fig. 4", f"highest pressure, {bogie}", published, ours, "{:.2f} bar", is_chosen=True)
-          for bogie, published, ours in zip(("motor bogie", "Jacobs bogie"), PRESSURES, highest, strict=True)),
-        PaperRow("Fig. 4", "largest slip of motor bogie 1", OVERBRAKING, float(time[peak]), "at {:.1f} s",
-                 is_chosen=True),
-        PaperRow("Fig. 4", "overbraking of the wheelset behind", "not distinct",
-                 f"{100 * slip[moving, 1].max():.1f} % slip, motor bogie 1 {100 * slip[peak, 0]:.1f} %",
-                 is_chosen=True),
-        PaperRow("Fig. 5", "adhesion of motor bogie 1, slippery", ADHESIONS[0], low, is_chosen=True),
-        PaperRow("Fig. 5", "adhesion of motor bogie 1, elsewhere", ADHESIONS[1], float(levels[0])),
-        PaperRow("Fig. 5", "adhesion of motor bogie 1 on its way out of the slide", "no third level",
-                 f"up to {third:.2f}"),
-        PaperRow("Fig. 5", "adhesion of Jacobs bogie over that of motor bogie 1", "below 1",
-                 float(levels[1] / levels[0])),
-        PaperRow("Fig. 5", "brake friction over the braking", "rises", rises),
-        PaperRow("Fig. 5", "brake friction of motor bogie 1 over that of Jacobs bogie, at last", "above 1",
-                 float(late[0] / late[1])),
-        PaperRow("Fig. 5", "oscillation of brake friction, motor bogie 1", f"major, at {OSCILLATION:.0f} s",
-                 f"{100 * swing:.0f} %, at {swings_at:.1f} s"),
-    )  # fmt: skip
+    return {
+        "pressure": highest[0],
+        "pressure_behind": highest[1],
+        "slides_at": float(time[peak]),
+        "slip": float(slip[peak, 0]),
+        "slip_behind": float(slip[moving, 1].max()),
+        "low": low,
+        "third": third,
+        "level": float(levels[0]),
+        "level_behind": float(levels[1]),
+        **{f"rise_{group}": float(b / a - 1) for group, (a, b) in enumerate(zip(early, late, strict=True), start=1)},
+        "late_ratio": float(late[0] / late[1]),
+        "swing": swing,
+        "when": swings_at,
+    }
 
 
 def oscillation(time: Array, friction: Array) -> tuple[float, float]:
@@ -168,9 +209,38 @@ GROUP_NAMES = ("motor bogie 1", "Jacobs bogie, front", "Jacobs bogie, rear", "mo
 COLOURS = (palette.BLUE, palette.ORANGE, palette.GREEN, palette.PURPLE)
 
 
-def train_figure(train: Train) -> Figure:
+def headlines() -> list[Finding]:
+    """Return the errors of the recovered track and of the filter with each set of noises in case 6."""
+    who, (first, *_) = f"field {TEST}", (found := rows(TEST, SEED))
+    findings = [
+        # By the smoothed motion; 1e-5 are 1 cm over the run.
+        Finding(f"{who}: distance, relative error", first["track distance"], "1", 1e-5),
+        mean(f"{who}: curvature RMSE", first["track curvature"], "1/m"),
+        mean(f"{who}: slope RMSE", first["track slope"]),
+        mean(f"{who}: track force RMSE", first["track force"], "N"),
+    ]
+    frictions = {"adhesion": "adhesion", "pad friction": "pad_friction", "mean pad friction": "mean_pad_friction"}
+    for row, name in zip(found, ("paper", "consistent", "physical"), strict=True):
+        noise = f"{who}, noises '{name}'"
+        findings.append(Finding(f"{noise}: braking distance, relative error", row["distance"], "1", 5e-5))
+        findings += [mean(f"{noise}: {words} RMSE", row[figure]) for words, figure in frictions.items()]
+    best = f"{who}, the best constant"
+    return findings + [mean(f"{best}: {words} RMSE", first[f"{name}_constant"]) for words, name in frictions.items()]
+
+
+@cache
+def case_6() -> tuple[FieldRun, FilterTask, FilterRecord]:
+    """Return the run of case 6, its braking, and the estimates with noises of sensors and physics."""
+    field_run = run((TEST, cases()[TEST]))
+    task, estimates = estimates_of(field_run)
+    return field_run, task, estimates[PUBLISHED]
+
+
+def train_figure() -> Figure:
     """Return the train, and the forces, torques and speeds of equations (1) and (2) (figure 1)."""
+    train = load_train(TRAIN)
     drawing = train_drawing(train)
+    drawing.set_label("The train, and forces, torques and speeds at a wheelset")
     drawing.has_formulas = True
     drawing.set_size_inches(8.0, 4.2)
     chart = drawing.axes[0]
@@ -313,66 +383,40 @@ def readings_figure(braking: Braking) -> Figure:
     return drawing
 
 
-def friction_figure(task: FilterTask, estimates: Mapping[str, FilterRecord]) -> Figure:
-    """Return pad friction over time and adhesion over slip, estimated and true, a row for each tuning (figure 5)."""
+def friction_figure(task: FilterTask, estimate: FilterRecord) -> Figure:
+    """Return pad friction over time and adhesion over slip, estimated and true, with `PUBLISHED` noises (figure 5)."""
     assert task.truth is not None
     time = task.braking.recording["time"].values[1:]
-    drawing, rows = style.panels(11, 3.4 * len(estimates), len(estimates), 2, squeeze=False, sharex="col", sharey="col")
+    drawing, (pads, curve) = style.panels(11, 3.4, 1, 2)
     window = time >= time[task.braking.brake - 1] + 0.3
-    for (pads, curve), (title, estimate) in zip(rows, estimates.items(), strict=True):
-        for group in (MB1, JTB1):
-            mean = estimate.mean[:, 1 + GROUPS + group] / NOMINAL
-            sd = np.sqrt(estimate.variance[:, 1 + GROUPS + group]) / NOMINAL
-            true = task.truth[:, 1 + GROUPS + group] / NOMINAL
-            style.band(pads, time[window], (mean - 2 * sd)[window], (mean + 2 * sd)[window], COLOURS[group], 0.15)
-            pads.plot(time[window], mean[window], color=COLOURS[group], linewidth=1.1, label=GROUP_NAMES[group])
-            pads.plot(time[window], true[window], color=COLOURS[group], linewidth=1.1, linestyle="--",
-                      label=f"{GROUP_NAMES[group]}, true")  # fmt: skip
-            # Below walking pace slip is mostly noise of the sensors.
-            moving = window & (task.truth[:, 0] > 2.0)
-            v, w = estimate.mean[:, 0], estimate.mean[:, 1 + group]
-            slip = 100 * (1 - R_WHEEL * w / v)
-            alpha = estimate.mean[:, 1 + 2 * GROUPS + group]
-            true_slip = 100 * (1 - R_WHEEL * task.truth[:, 1 + group] / task.truth[:, 0])
-            curve.plot(true_slip[moving], task.truth[moving, 1 + 2 * GROUPS + group], color=palette.GREY, linewidth=2.5,
-                       alpha=0.5, label="true" if group == MB1 else None)  # fmt: skip
-            curve.plot(slip[moving], alpha[moving], ".", color=COLOURS[group], markersize=2.5, label=GROUP_NAMES[group])
-        pads.axvline(OSCILLATION, color=palette.BLACK, linewidth=1.0, linestyle=":", label="published oscillation")
-        # No level of the paper is so high: the wheelsets are accelerated over the peak of the creep curve.
-        curve.text(6, 0.215, "motor bogie 1, out of the slide", fontsize=8, color=COLOURS[MB1])
-        for number, level in enumerate(ADHESIONS):
-            curve.axhline(level, color=palette.BLACK, linewidth=1.0, linestyle=":",
-                          label=None if number else "published, motor bogie 1")  # fmt: skip
-        widest = 2 * np.sqrt(estimate.variance[window, 1 + GROUPS + MB1].max()) / NOMINAL
-        beyond = f" (up to ±{widest:.1f}, beyond the panel)" if widest > 1.0 else ""
-        style.dress(pads, y="pad friction over 0.35", title=f"{title}: pad friction ±2σ{beyond}")
-        style.dress(curve, y="adhesion", title=f"{title}: adhesion over slip")
-        pads.set_ylim(0.7, 1.4)
-        curve.set_ylim(-0.02, 0.24)
-        curve.set_xlim(-1, 20)
-    style.legend(rows[0, 0], ncols=2, loc="lower right")
-    style.legend(rows[0, 1], loc="lower right", markerscale=3)
-    rows[-1, 0].set_xlabel("time [s]")
-    rows[-1, 1].set_xlabel("slip [%]")
-    return drawing
-
-
-def degeneracy_figure(common: Sweep, trusted: Sweep) -> Figure:
-    """Return equation (14) and the true errors over two ways to change noises."""
-    drawing, panels = style.panels(11, 4, 1, 2)
-    for panel, sweep, x, title in (
-        (panels[0], common, "factor on R, Q and the first covariance", "a common factor does not change equation (14)"),
-        (panels[1], trusted, "factor on R alone", "equation (14) rewards repeating the readings"),
-    ):
-        for name, colour, label in (
-            ("deviation", palette.BLACK, "equation (14) [m/s]"),
-            ("adhesion", palette.BLUE, "RMSE of adhesion"),
-            ("pad_friction", palette.ORANGE, "RMSE of pad friction"),
-        ):
-            panel.loglog(sweep["factor"], sweep[name], color=colour, marker="o", markersize=3, label=label)
-        panel.loglog(
-            sweep["factor"], sweep["nees"], color=palette.VERMILION, linestyle="--", label="NEES, 1 if consistent"
-        )
-        style.dress(panel, x=x, title=title)
-    style.legend(panels[0])
+    for group in (MB1, JTB1):
+        mean = estimate.mean[:, 1 + GROUPS + group] / NOMINAL
+        sd = np.sqrt(estimate.variance[:, 1 + GROUPS + group]) / NOMINAL
+        true = task.truth[:, 1 + GROUPS + group] / NOMINAL
+        style.band(pads, time[window], (mean - 2 * sd)[window], (mean + 2 * sd)[window], COLOURS[group], 0.15)
+        pads.plot(time[window], mean[window], color=COLOURS[group], linewidth=1.1, label=GROUP_NAMES[group])
+        pads.plot(time[window], true[window], color=COLOURS[group], linewidth=1.1, linestyle="--",
+                  label=f"{GROUP_NAMES[group]}, true")  # fmt: skip
+        # Below walking pace slip is mostly noise of the sensors.
+        moving = window & (task.truth[:, 0] > 2.0)
+        v, w = estimate.mean[:, 0], estimate.mean[:, 1 + group]
+        slip = 100 * (1 - R_WHEEL * w / v)
+        alpha = estimate.mean[:, 1 + 2 * GROUPS + group]
+        true_slip = 100 * (1 - R_WHEEL * task.truth[:, 1 + group] / task.truth[:, 0])
+        curve.plot(true_slip[moving], task.truth[moving, 1 + 2 * GROUPS + group], color=palette.GREY, linewidth=2.5,
+                   alpha=0.5, label="true" if group == MB1 else None)  # fmt: skip
+        curve.plot(slip[moving], alpha[moving], ".", color=COLOURS[group], markersize=2.5, label=GROUP_NAMES[group])
+    pads.axvline(OSCILLATION, color=palette.BLACK, linewidth=1.0, linestyle=":", label="published oscillation")
+    # No level of the paper is so high: the wheelsets are accelerated over the peak of the creep curve.
+    curve.text(6, 0.215, "motor bogie 1, out of the slide", fontsize=8, color=COLOURS[MB1])
+    for number, level in enumerate(ADHESIONS):
+        curve.axhline(level, color=palette.BLACK, linewidth=1.0, linestyle=":",
+                      label=None if number else "published, motor bogie 1")  # fmt: skip
+    style.dress(pads, x="time [s]", y="pad friction over 0.35", title=f"{PUBLISHED}: pad friction ±2σ")
+    style.dress(curve, x="slip [%]", y="adhesion", title=f"{PUBLISHED}: adhesion over slip")
+    pads.set_ylim(0.7, 1.4)
+    curve.set_ylim(-0.02, 0.24)
+    curve.set_xlim(-1, 20)
+    style.legend(pads, ncols=2, loc="lower right")
+    style.legend(curve, loc="lower right", markerscale=3)
     return drawing

@@ -3,9 +3,9 @@
 The parameters are the noises of equation (13).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.files import replacing
-from railgrip.campaign.work import Work
 from railgrip.estimation.models import units_of
 from railgrip.estimation.motion import Braking, braking_of
 from railgrip.estimation.run import FilterData, by_name, filter_data
@@ -65,12 +64,16 @@ class FieldRun:
         return self.plan.way * track.slope(place), self.plan.way * track.curvature(place)
 
 
-def cases(file: Path | None = None) -> dict[str, Scenario]:
-    """Return the scenarios of a campaign by their variant of its axis `case`, those of field_test.toml when None.
+def cases(file: Path | None = None, names: Sequence[str] = ()) -> dict[str, Scenario]:
+    """Return the scenarios of a campaign by their variant of its axis `case`.
+
+    Args:
+        file: The campaign; field_test.toml when None.
+        names: Cases to return; all if empty.
 
     Raises:
         ScenarioError: The file is missing or not a campaign.
-        EstimationError: It has no such axis, or a scenario has no [track.plan].
+        EstimationError: It has no such axis, a scenario has no [track.plan], or a case does not exist.
     """
     campaign = load_campaign(file or Path("field_test"))
     unlaid = next((stop.name for stop in campaign.stops if stop.scenario.track.plan is None), None)
@@ -78,7 +81,11 @@ def cases(file: Path | None = None) -> dict[str, Scenario]:
         raise EstimationError(f"{campaign.name}: the field test needs a [track.plan]; {unlaid} has none.")
     if any("case" not in stop.variants for stop in campaign.stops):
         raise EstimationError(f"{campaign.name}: the field test needs its cases as [axes.case.NAME].")
-    return {stop.variants["case"]: stop.scenario for stop in campaign.stops}
+    scenarios = {stop.variants["case"]: stop.scenario for stop in campaign.stops}
+    missing = [name for name in names if name not in scenarios]
+    if missing:
+        raise EstimationError(f"the field test needs the cases {', '.join(names)}; there is no {', '.join(missing)}.")
+    return {name: scenarios[name] for name in names or scenarios}
 
 
 def run(case: tuple[str, Scenario], import_from: Sequence[Path] = ()) -> FieldRun:
@@ -99,23 +106,6 @@ def run(case: tuple[str, Scenario], import_from: Sequence[Path] = ()) -> FieldRu
         recording=recording,
         braking=braking_of(recording, course),
         plan=track.plan,
-    )
-
-
-def runs(
-    scenarios: Mapping[str, Scenario], names: Sequence[str], work: Work, import_from: Sequence[Path] = ()
-) -> dict[str, FieldRun]:
-    """Return the run of each case; `import_from` as for `run`.
-
-    Raises:
-        EstimationError: The case does not exist; see also `run`.
-    """
-    missing = [name for name in names if name not in scenarios]
-    if missing:
-        raise EstimationError(f"the field test needs the cases {', '.join(names)}; there is no {', '.join(missing)}.")
-    one_run = partial(run, import_from=tuple(import_from))
-    return dict(
-        zip(names, work.map(one_run, [(name, scenarios[name]) for name in names], keep=not import_from), strict=True)
     )
 
 
