@@ -186,9 +186,9 @@ def compare(*results: Comparable) -> Comparison:
     return _compare_stops(names, dict(zip(ascii_uppercase, stops, strict=False)))
 
 
-def flat(table: Mapping[str, Any], path: str = "") -> dict[str, object]:
+def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
     """Return the values of nested tables by dotted keys; elements of a list of tables are counted from 1."""
-    keys: dict[str, object] = {}
+    keys: dict[str, Any] = {}
     for name, value in table.items():
         if isinstance(value, Mapping):
             keys |= flat(value, f"{path}{name}.")

@@ -182,7 +182,7 @@ def _dynamic_brakes(train: Train, body_of_car: Sequence[int]) -> list[dict[str, 
     ]
 
 
-def _blended(train: Train, body_of_car: Sequence[int], *, pneumatic: bool) -> dict[str, object]:
+def _blended(train: Train, body_of_car: Sequence[int], *, pneumatic: bool) -> dict[str, Any]:
     """Return dynamic brakes, relieved valves, and the expressions that connect them."""
     dynamics, supply = _dynamic_brakes(train, body_of_car), _command(train, body_of_car)["supply_of_group"]
     blending = _blending(train)

@@ -423,7 +423,8 @@ def measure(
     """
     braking = measures.since_brake_demand(trace)
     stop = MeasuredStop(trace=braking, outcome=outcome, alpha_max=alpha_max, actuation=actuation, target=target)
-    return Metrics(**{name: figure.formula(stop) for name, figure in FIGURES.items()})
+    figures: Any = {name: figure.formula(stop) for name, figure in FIGURES.items()}
+    return Metrics(**figures)
 
 
 def _to_tuples(value: Any) -> Any:

@@ -133,7 +133,7 @@ def write_page(load: Load, file: Path, objects: CustomParts = NO_CUSTOM_PARTS) -
     """
     scenario, remarks = load([]), list[str]()
     every, kinds = [*_controls(scenario, remarks)], dict.fromkeys((scenario.controller.kind, *LAWS))
-    data, files, variables = JsonObject(), dict[str, str](), dict[str, object]()
+    data, files, variables = JsonObject(), dict[str, str](), dict[str, Any]()
     laws, controls = list[JsonObject](), every
     for kind in kinds:
         at = partial(_assembled, load, objects, kind if laws else "", every)
@@ -255,7 +255,7 @@ def _code_of_law(parts: Parts, number: int) -> JsonObject:
     return {"code": "\n".join(write_call(name, formula) for name, (_, formula) in there.items()), "calls": calls}
 
 
-def _files(opened: StopAssembly) -> tuple[dict[str, str], dict[str, object]]:
+def _files(opened: StopAssembly) -> tuple[dict[str, str], dict[str, Any]]:
     """Return the C code of a stop, file name → text, and variables of the template of browser_parts.h."""
     parts = opened.parts
     plant, _ = _require_c(opened.vehicle.scenario, parts)
@@ -387,9 +387,7 @@ def _fit(
     ]
 
 
-def _thresholds(
-    law: str, stop: _Stop, open_at: _OpenAt, objects: CustomParts, remarks: list[str]
-) -> list[JsonObject]:
+def _thresholds(law: str, stop: _Stop, open_at: _OpenAt, objects: CustomParts, remarks: list[str]) -> list[JsonObject]:
     """Return the parameters of a law that the page may change, and those that each of them must not exceed."""
     kind: type[GroupLaw] = law_named(law) or class_of(Custom(kind=law), "controllers", objects.folders)
     tuning, names = kind.tuning, [variable.name for variable in stop.law.formula.parameters]

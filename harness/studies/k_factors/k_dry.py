@@ -387,9 +387,12 @@ def in_the_loop(
         ]
         runs.append(rare.pool_samples(parts, [state.probability for state in states]))
     estimate = rare.estimates(quasi_static.runs[-1], [effort.probability], quasi_static.neglected)[0]
+    found = rare.estimates(runs, [effort.probability], neglected)[0]
     return KOfStops(
         probability=effort.probability,
-        **plain(rare.estimates(runs, [effort.probability], neglected)[0]),
+        k=found.value,
+        low=found.low,
+        high=found.high,
         quasi_static=plain(estimate),
         states=len(states),
         neglected_probability=neglected,
