@@ -244,8 +244,9 @@ tune: $(READY)  ## find the noises of the field test's filter anew, minutes; har
 lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters, docs/studies/lateral.md
 	$(RUN) tools pages lateral $(OPTIONS)
 
-learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, training, honest judgement (cached)
-	$(PROGRAM) study axle_box $(OPTIONS)
+learn: $(READY)  ## friction from axle-box accelerations, docs/studies/axle_box.md; trained estimators, build/axle_box
+	$(RUN) tools pages axle_box $(OPTIONS)
+	$(RUN) docs/studies/axle_box_runs.py $(OPTIONS)
 
 k-factors: fmus  ## K_dry_rst of ETCS for EBCL 0 to 9, and stops with the controller beside it, build/k_factors (minutes)
 	$(PROGRAM) study k_factors vt642 --loop $(OPTIONS)

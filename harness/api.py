@@ -78,6 +78,7 @@ __all__ = [
     "etcs",
     "evaluate",
     "inspect",
+    "learn_friction",
     "load",
     "open",
     "run",
@@ -391,6 +392,42 @@ def estimate(
         )
     require_consistent(specification)
     return _announced(estimate_of(specification, recording_of_trace(specification, recording)[1], kinds))
+
+
+def learn_friction(file: str | Path, out: str | Path, *, workers: int = 2) -> "pandas.DataFrame":
+    """Learn friction from labelled axle-box accelerations, and return the errors of friction on runs left out.
+
+    The trained estimators are written into a folder as JSON, which `railgrip ride` runs, and as FMUs: one for all
+    speeds, and a network of Abduraxman et al. (2024) for each class of speed with two runs or more. The attribute
+    `repairs` of the frame has a sentence for each correction of the recordings.
+
+    Args:
+        file: TOML file with the folder of the recordings, their labels, and columns; see "Use recorded data".
+        out: Folder of the estimators.
+        workers: Number of processes.
+
+    Raises:
+        ScenarioError: The file is invalid.
+        EstimationError: Recordings or labels cannot be used, or are fewer than four.
+        RecordError: The folder has files with these names that railgrip did not write.
+    """
+    from pandas import DataFrame
+
+    from railgrip.base.records import make_folder
+    from railgrip.campaign.work import call, work
+    from railgrip.estimation.axle_box.recordings import judge_recordings, read_folder, read_recordings_file
+    from railgrip.estimation.axle_box.training import export
+
+    path, folder = path_of(file, "file"), path_of(out, "out")
+    inputs = read_recordings_file(path)
+    make_folder(folder)
+    runs, repairs = read_folder(path.parent / inputs.runs.folder, path.parent / inputs.runs.labels, inputs.data)
+    with work("learn_friction", folder, workers=workers) as job:
+        scores, trained = judge_recordings(runs, inputs.network.recipe(), lambda tasks: job.map(call, tasks))
+    export(trained, folder)
+    frame = DataFrame(scores)
+    frame.attrs["repairs"] = repairs
+    return frame
 
 
 def _announced(estimates: "xarray.Dataset") -> "Estimates":

@@ -2,5 +2,5 @@
 
 `preprocessing` has the motions, the paper's filters, and the features that depend on friction, `network` small networks
 and their training, `trained` estimators for whole runs and single samples, with their files. Runs and the evaluation of
-estimators are in `railgrip.studies.axle_box`.
+estimators are in `railgrip.estimation.axle_box`.
 """

@@ -320,7 +320,7 @@ def ride(
 ) -> None:
     """Run the instrumented car with a trained friction estimator."""
     # Imported here, as below: the other commands need no study.
-    from railgrip.studies.axle_box.ride import read_ride, ride_figure, ride_with_estimator
+    from railgrip.estimation.axle_box.ride import read_ride, ride_figure, ride_with_estimator
 
     specification = read_ride(file)
     folder = _folder(out, Path("build/rides") / specification.name, RIDE_FILES)

@@ -131,7 +131,7 @@ MAKE = {
     "trains OPTIONS=--quick": "build/studies/trains/trains.md",
     f"bench OPTIONS='--quick {OF_STUDIES} out/bench'": "out/bench/quick/durations.csv",
     "lateral OPTIONS=--quick": "build/studies/lateral/lateral.md",
-    f"learn OPTIONS='--quick --inputs lateral {OF_STUDIES} out/axle_box'": "out/axle_box/quick/index.html",
+    "learn OPTIONS=--quick": "build/axle_box/quick/friction.json",
     f"monitor OPTIONS='--seeds 1 --stops 40 --pressure-offset 4000 {OF_STUDIES} out/pads'": "out/pads/index.html",
     "k-factors OPTIONS='--set estimate.samples=20 --set estimate.runs=2 --set loop.samples=20 --set loop.runs=2"
     f" --import-from . --write {OF_STUDIES} out/k_factors'": "out/k_factors/k_factors.json",
@@ -182,10 +182,9 @@ ELSEWHERE = {
 """Target, command or option → the test that runs it."""
 
 WHOLE = {
-    "--write": ("estimators", "papers", "axle_box"),
+    "--write": ("estimators", "papers"),
     "--fit": ("papers",),
     "--loop": ("estimators",),
-    "--bench": ("axle_box",),
 }  # fmt: skip
 """Options of studies that take minutes in any form, and are not run here: they write the numbers of the whole study."""
 

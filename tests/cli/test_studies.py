@@ -152,7 +152,7 @@ def test_the_page_of_a_quick_form_begins_with_what_it_leaves_out(tmp_path, comma
 
 
 def test_a_missing_study_is_reported_in_a_sentence():
-    with pytest.raises(InputError, match="there is no study 'weather'; there are axle_box, bench"):
+    with pytest.raises(InputError, match="there is no study 'weather'; there are bench, benefit"):
         study_named("weather")
 
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from railgrip.estimation.axle_box.instrumented_car import AXLE_BOX, MPH, RATE, Pass, measure, ride
+from railgrip.estimation.axle_box.training import campaign
 from railgrip.scenario.track_geometry import KINDS, RIDE, TRACKS, Band, realise, rms, spectrum
-from railgrip.studies.axle_box.instrumented_car import AXLE_BOX, MPH, RATE, Pass, measure, ride
-from railgrip.studies.axle_box.training import campaign
 
 CHECKED = Band(lowest=0.024, highest=0.333, lines=4000)
 

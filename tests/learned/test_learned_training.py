@@ -5,11 +5,11 @@ import pytest
 from scipy.optimize import approx_fprime, least_squares
 
 from railgrip.base.errors import EstimatorError
+from railgrip.estimation.axle_box.evaluate import TrainingRecipe, exchange_labels, within_runs, without_each
+from railgrip.estimation.axle_box.instrumented_car import CHANNELS, OTHER_CHAINS, RATE, LabelledRun, Readings, reduce
 from railgrip.estimators.learned import network as nn
 from railgrip.estimators.learned.network import fit
 from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chain, Scale, Spectral, motions
-from railgrip.studies.axle_box.evaluate import TrainingRecipe, exchange_labels, within_runs, without_each
-from railgrip.studies.axle_box.instrumented_car import CHANNELS, OTHER_CHAINS, RATE, LabelledRun, Readings, reduce
 
 
 def test_the_high_pass_keeps_the_offset_of_the_first_sample():

@@ -7,21 +7,19 @@ from one_process import one_process
 from scipy.io import savemat
 from wrong import table as stored
 
+import railgrip as rg
 from railgrip.base.errors import EstimationError, ScenarioError
-from railgrip.campaign.work import work
-from railgrip.estimators.learned.trained import BOXES, GeneralEstimator, PaperEstimator
-from railgrip.recording.table import DataTable
-from railgrip.report.page import render
-from railgrip.studies.axle_box.evaluate import TrainingRecipe
-from railgrip.studies.axle_box.recordings import (
+from railgrip.estimation.axle_box import recordings
+from railgrip.estimation.axle_box.recordings import (
     PERIOD,
     UNITS,
-    judge_recordings,
     plain_table,
     read_folder,
     read_labels,
     read_recordings_file,
 )
+from railgrip.estimators.learned.trained import BOXES, GeneralEstimator, load
+from railgrip.recording.table import DataTable
 
 RATE = 5120
 SECONDS = 6.4
@@ -64,21 +62,30 @@ def dataset(folder):
     return read_folder(folder, labels)
 
 
-def test_runs_yield_a_report_and_estimators(dataset):
+def test_runs_yield_scores_and_estimators(folder, dataset, tmp_path, monkeypatch):
     assert [run.group for run in dataset[0]] == [60] * 4
     assert [run.friction for run in dataset[0]] == pytest.approx([0.10, 0.18, 0.26, 0.34])
     assert dataset[0][0].blocks.shape == (int(SECONDS * RATE) // 50, 20)
-    recipe = TrainingRecipe(inputs="left, right", starts=1, steps=10)
-    with one_process(), work("axle_box") as own:
-        tables, trained = judge_recordings(dataset[0], recipe, own, members=12)
-    text = render("studies/axle_box/recordings.md.jinja", **tables, count=4, remarks=["0.parquet: mended."])
-    assert "a run left out" in text
-    assert "Inputs: left, right; bias inside; 1 random start." in text
-    assert "- 0.parquet: mended." in text
-    assert isinstance(trained["friction"], GeneralEstimator)
-    assert trained["friction"].ensemble.second == ()  # the slope of a real creep curve is unknown
-    assert isinstance(trained["friction_60mph"], PaperEstimator)
-    assert trained["friction_60mph"].networks[0].hidden_weights.shape == (6, 8)
+    file = folder / "mine.toml"
+    network = '[network]\ninputs = "left, right"\nstarts = 1\n'
+    file.write_text(f'name = "mine"\n[runs]\nfolder = "."\nlabels = "labels.csv"\n{network}')
+    monkeypatch.setattr(recordings, "MEMBERS", 12)
+    monkeypatch.setattr(recordings, "read_folder", lambda *_: (dataset[0], ("0.parquet: mended.",)))
+    with one_process():
+        scores = rg.learn_friction(file, tmp_path)
+    assert scores[["estimator", "judged_on", "mph", "starts"]].fillna(0).values.tolist() == [
+        ["network of the paper", "last 20 % of runs seen", 60, 1],
+        ["network of the paper", "a run left out", 60, 1],
+        ["all speeds", "a run left out", 0, 1],
+    ]
+    assert scores["mae"].between(0, 1).all()
+    assert scores.attrs["repairs"] == ("0.parquet: mended.",)
+    names = {f"friction{speed}.{kind}" for speed in ("", "_60mph") for kind in ("json", "fmu")}
+    assert {path.name for path in tmp_path.glob("friction*")} == names
+    general = load(tmp_path / "friction.json")
+    assert isinstance(general, GeneralEstimator)
+    assert general.ensemble.second == ()  # the slope of a real creep curve is unknown
+    assert load(tmp_path / "friction_60mph.json").networks[0].hidden_weights.shape == (6, 8)
 
 
 def test_direction_rotates_the_car(folder, dataset, tmp_path):

@@ -7,14 +7,16 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from railgrip.base.errors import EstimatorError, FmuError, ScenarioError
-from railgrip.estimators.learned.network import Ensemble, Network
-from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale, Spectral
-from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, load, save
-from railgrip.fmi import describe
-from railgrip.fmus.native.discrete import sources
-from railgrip.fmus.native.package import pack
-from railgrip.studies.axle_box.instrumented_car import RATE, Pass, Ride, held_speed, in_axes_of_car, measure_run, ride
-from railgrip.studies.axle_box.ride import (
+from railgrip.estimation.axle_box.instrumented_car import (
+    RATE,
+    Pass,
+    Ride,
+    held_speed,
+    in_axes_of_car,
+    measure_run,
+    ride,
+)
+from railgrip.estimation.axle_box.ride import (
     INPUTS,
     LIBRARY,
     belief_of,
@@ -24,6 +26,12 @@ from railgrip.studies.axle_box.ride import (
     read_ride,
     ride_with_estimator,
 )
+from railgrip.estimators.learned.network import Ensemble, Network
+from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale, Spectral
+from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, load, save
+from railgrip.fmi import describe
+from railgrip.fmus.native.discrete import sources
+from railgrip.fmus.native.package import pack
 
 ROUNDING = 1e-11
 """Friction, absolute.

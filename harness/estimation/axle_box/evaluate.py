@@ -7,18 +7,18 @@ from typing import Any, Final
 import numpy as np
 
 from railgrip.base.arrays import generator
+from railgrip.estimation.axle_box.instrumented_car import CHANNELS, LabelledRun, spectral_features
 from railgrip.estimation.judgement import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.network import Bias, Ensemble, Network, train
 from railgrip.estimators.learned.preprocessing import COMBINATIONS, Scale
-from railgrip.studies.axle_box.instrumented_car import CHANNELS, LabelledRun, spectral_features
 
 HIDDEN: Final = 6
 TRAINED: Final = 0.8
 DECAY: Final = 1e-8
 """Weight of the squared weights relative to the mean squared error. Without it some random starts end in networks with
 huge weights, which overfit the training part and are wrong by 0.1 right after it. Chosen on the training part alone, as
-the middle of the range without much influence there; see `inside_training` and the report."""
+the middle of the range without much influence there; see `inside_training` and docs/studies/axle_box.md."""
 
 
 Labelled = tuple[Array, Array]
@@ -146,6 +146,11 @@ def best_of(runs: Sequence[LabelledRun], recipe: TrainingRecipe) -> ScaledNetwor
     early, _ = parts_of(runs, recipe)
     x, y = _join(early)
     return min(recipe.fit(early, f"within.{runs[0].group}"), key=lambda network: float(np.abs(network(x) - y).mean()))
+
+
+def score_of_best(runs: Sequence[LabelledRun], recipe: TrainingRecipe) -> Score:
+    """Judge the network of `best_of` on the last 20 % of every run."""
+    return score([best_of(runs, recipe)], *parts_of(runs, recipe))
 
 
 def without_each(runs: Sequence[LabelledRun], recipe: TrainingRecipe) -> Score:

@@ -1,30 +1,27 @@
-"""Passes of the instrumented car that are simulated, training and judgement on them, and the results."""
+"""Passes of the instrumented car that are simulated, and training and judgement on them."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from railgrip.base.arrays import generator
-from railgrip.campaign.work import Work, call
-from railgrip.estimators.learned.network import Ensemble, fit
-from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chain
-from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, Trained
-from railgrip.studies.axle_box.evaluate import (
+from railgrip.base.files import replacing
+from railgrip.base.records import claim
+from railgrip.estimation.axle_box.evaluate import (
     ScaledNetwork,
-    Score,
     TrainingRecipe,
-    best_of,
     evaluate_elsewhere,
     exchange_labels,
     inside_training,
-    judge,
+    score_of_best,
     within_runs,
     without_each,
 )
-from railgrip.studies.axle_box.instrumented_car import (
+from railgrip.estimation.axle_box.instrumented_car import (
     MPH,
     OTHER_CHAINS,
     PAPER,
@@ -32,9 +29,13 @@ from railgrip.studies.axle_box.instrumented_car import (
     SPECTRAL,
     LabelledRun,
     Pass,
-    gather,
     spectral_features,
 )
+from railgrip.estimators.learned.network import Ensemble, fit
+from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chain
+from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, Trained, save
+from railgrip.fmus.native.discrete import sources
+from railgrip.fmus.native.package import pack
 
 SPEEDS: Final = (16, 26, 40, 60)
 """mph."""
@@ -102,17 +103,6 @@ def design(count: int, *, length: float = 200.0) -> tuple[Pass, ...]:
     return tuple(passes)
 
 
-PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
-    int(mph): one["errors"] for mph, one in PAPER["networks"].items()
-}
-"""Average RMSE and MAE of 15 networks, Table 3 of Abduraxman et al. (2024), by speed in mph."""
-
-PUBLISHED_BEST: Final[Mapping[int, float]] = {int(mph): one["best"] for mph, one in PAPER["networks"].items()}
-"""MAE of the networks of figures 10 to 13, "some of the best" of the 15, by speed in mph."""
-
-SLIPPING: Final = ("campaign", "one surface for all")
-"""Sets of runs whose slip rates are compared with friction: with the creep curve of each film, and with one for all."""
-
 DECAYS: Final = (0.0, 1e-9, 1e-8, 1e-7, 1e-6)
 """Weights of the squared weights compared inside of the training part."""
 
@@ -127,9 +117,6 @@ STATEMENTS: Final[Mapping[str, Mapping[str, Any]]] = {
 }  # fmt: skip
 """Variants by which statements of the paper are tested → their values of the recipe: at least four states are
 necessary, signals drift without the high-pass, and the length of the blocks has almost no effect."""
-
-Rows = Mapping[str, Mapping[int, Score]]
-"""Row of a table → speed [mph] → score."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,32 +144,6 @@ QUICK: Final = Size(speeds=(60,), starts=3, honest_starts=1, design=6, members=3
 """Form that checks that the study runs; its numbers have no meaning."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AxleBoxResults:
-    """Results of the study.
-
-    Attributes:
-        recipe: Recipe of the paper's networks, unless a row has another.
-        scores: Table → its rows. `split`, the paper's split, with the variants that explain it; `decays`, trained on
-            the first 64 % of each run, judged on the following 16 %, source of `evaluate.DECAY`; `inputs`, `neurons`
-            and `statements`, the paper's split with each combination of motions, size of the hidden layer and of
-            `STATEMENTS`; `honest`, the paper's networks on runs outside of their training; `general`, the general
-            estimator on the same runs.
-        ensemble: The general estimator.
-        networks: Network with the best fit of the training part, by speed; exchanged: the same with exchanged labels.
-        runs: The campaign, by speed.
-        slip_rates: Friction and rms slip rate [1/s] of each simulated run, by set of runs and speed.
-    """
-
-    recipe: TrainingRecipe
-    scores: Mapping[str, Rows]
-    ensemble: Ensemble
-    networks: Mapping[int, ScaledNetwork]
-    exchanged: Mapping[int, ScaledNetwork]
-    runs: Mapping[int, Sequence[LabelledRun]]
-    slip_rates: Mapping[str, Mapping[int, Sequence[tuple[float, float]]]]
-
-
 def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
     """Return every run of the study by set; estimators are trained on `campaign` and `design`."""
     home = tuple(p for p in campaign(length=size.length) if int(p.name.split()[0]) in size.speeds)
@@ -193,89 +154,41 @@ def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
     }
 
 
-def simulate_and_judge(size: Size, recipe: TrainingRecipe, work: Work) -> AxleBoxResults:
-    """Simulate the runs of the study, train and judge."""
-    plan = passes(size)
-    everything = iter(gather([case for part in plan.values() for case in part], work))
-    return train_and_judge(size, {name: [next(everything) for _ in part] for name, part in plan.items()}, recipe, work)
+def judgements(
+    runs: Sequence[LabelledRun], away: Mapping[str, Sequence[LabelledRun]], recipe: TrainingRecipe, few: TrainingRecipe
+) -> dict[tuple[str, str], Callable[[], Any]]:
+    """Return the judgements of the paper's networks at one speed, by table and row; each returns a `Score`.
 
-
-def train_and_judge(
-    size: Size, runs_of_part: Mapping[str, Sequence[LabelledRun]], recipe: TrainingRecipe, work: Work
-) -> AxleBoxResults:
-    """Train and judge."""
-    few = replace(recipe, starts=size.honest_starts)
-    by_speed = {s: _at(runs_of_part["campaign"], s) for s in size.speeds}
-    away = {name: runs for name, runs in runs_of_part.items() if name not in ("campaign", "design")}
-    # The general estimator is one long task, so it comes first.
-    tasks: dict[tuple[str, str, int], Callable[[], Any]] = {
-        ("all speeds", "", 0): partial(general, runs_of_part["design"], size.members)
-    }
-    for s, runs in by_speed.items():
-        for table, rows in _judgements(runs, recipe, few).items():
-            tasks |= {(table, name, s): task for name, task in rows.items()}
-        tasks["elsewhere", "", s] = partial(evaluate_elsewhere, runs, {n: _at(r, s) for n, r in away.items()}, recipe)
-        tasks["network", "", s] = partial(best_of, runs, few)
-        tasks["exchanged", "", s] = partial(best_of, exchange_labels(runs), few)
-    work.notify("training and judging")
-    results: dict[tuple[str, str, int], Any] = dict(zip(tasks, work.map(call, tasks.values()), strict=True))
-    tables: dict[str, dict[str, dict[int, Any]]] = {}
-    for (table, name, s), result in results.items():
-        tables.setdefault(table, {}).setdefault(name, {})[s] = result
-    for s, scores in tables["elsewhere"][""].items():
-        for name, score in scores.items():
-            tables["honest"].setdefault(name, {})[s] = score
-    ensemble, mean = results["all speeds", "", 0]
-    sets = {"campaign": runs_of_part["campaign"], **away}
-    rule = dry_or_not(passes(size))
-    tables["general"] = {
-        name: {
-            s: judge(ensemble, mean, _at(part, s), [rule[name][run.name] for run in _at(part, s)]) for s in size.speeds
-        }
-        for name, part in sets.items()
-    }
-    return AxleBoxResults(
-        recipe=recipe,
-        scores=tables,
-        ensemble=ensemble,
-        networks=tables["network"][""],
-        exchanged=tables["exchanged"][""],
-        runs=by_speed,
-        slip_rates={
-            name: {
-                s: [(run.friction, run.slip_rate) for run in _at(sets[name], s) if run.slip_rate is not None]
-                for s in size.speeds
-            }
-            for name in SLIPPING
-        },
-    )
-
-
-def _judgements(
-    runs: Sequence[LabelledRun], recipe: TrainingRecipe, few: TrainingRecipe
-) -> dict[str, dict[str, Callable[[], Score]]]:
-    """Return the judgements of the campaign's runs at one speed by table and row.
+    `split` is the paper's split, with variants that explain it; `decays` is trained on the first 64 % of each run and
+    judged on the following 16 %, source of `evaluate.DECAY`; `inputs`, `neurons` and `statements` are the paper's split
+    with each combination of motions, size of the hidden layer and of `STATEMENTS`; `best` is the network with the best
+    fit; `honest` are runs outside of the training, of which the row "" returns several scores by row.
 
     Args:
         runs: Runs of the campaign.
+        away: Other sets of runs at this speed.
         recipe: Recipe with all random starts.
         few: Recipe with fewer starts, for means over speeds or runs.
     """
     free = replace(recipe, decay=0.0)
+    exchanged = exchange_labels(runs)
+    split = {
+        "bias inside": partial(within_runs, runs, free),
+        "bias outside": partial(within_runs, runs, replace(free, bias="outside")),
+        "bias inside, weights kept small": partial(within_runs, runs, recipe),
+        "bias outside, weights kept small": partial(within_runs, runs, replace(recipe, bias="outside")),
+        "labels exchanged": partial(within_runs, exchanged, recipe),
+        "first second is zero": partial(within_runs, runs, replace(recipe, chain="first second is zero")),
+    }
     return {
-        "split": {
-            "bias inside": partial(within_runs, runs, free),
-            "bias outside": partial(within_runs, runs, replace(free, bias="outside")),
-            "bias inside, weights kept small": partial(within_runs, runs, recipe),
-            "bias outside, weights kept small": partial(within_runs, runs, replace(recipe, bias="outside")),
-            "labels exchanged": partial(within_runs, exchange_labels(runs), recipe),
-            "first second is zero": partial(within_runs, runs, replace(recipe, chain="first second is zero")),
-        },
-        "decays": {f"{decay:g}": partial(inside_training, runs, replace(few, decay=decay)) for decay in DECAYS},
-        "inputs": {name: partial(within_runs, runs, replace(few, inputs=name)) for name in COMBINATIONS},
-        "statements": {name: partial(within_runs, runs, replace(few, **each)) for name, each in STATEMENTS.items()},
-        "neurons": {f"{count}": partial(within_runs, runs, replace(few, hidden=count)) for count in NEURONS},
-        "honest": {"a run left out": partial(without_each, runs, few)},
+        **{("split", name): task for name, task in split.items()},
+        **{("decays", f"{decay:g}"): partial(inside_training, runs, replace(few, decay=decay)) for decay in DECAYS},
+        **{("inputs", name): partial(within_runs, runs, replace(few, inputs=name)) for name in COMBINATIONS},
+        **{("statements", name): partial(within_runs, runs, replace(few, **each)) for name, each in STATEMENTS.items()},
+        **{("neurons", f"{count}"): partial(within_runs, runs, replace(few, hidden=count)) for count in NEURONS},
+        ("best", "one of the best networks"): partial(score_of_best, runs, few),
+        ("honest", "a run left out"): partial(without_each, runs, few),
+        ("honest", ""): partial(evaluate_elsewhere, runs, away, recipe),
     }
 
 
@@ -299,6 +212,15 @@ def estimators_of(
         for speed, fitted in networks.items()
     }
     return {"friction": GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=ensemble), **papers}
+
+
+def export(trained: Mapping[str, Trained], folder: Path) -> None:
+    """Write estimators into a folder that exists: NAME.json for `railgrip ride`, and NAME.fmu."""
+    claim(folder, *(f"{name}.{kind}" for name in trained for kind in ("json", "fmu")))
+    for name, each in trained.items():
+        with replacing(folder / f"{name}.json") as partial_file:
+            save(each, partial_file)
+        pack(sources(each.online()), folder / f"{name}.fmu")
 
 
 def general(runs: Sequence[LabelledRun], members: int) -> tuple[Ensemble, float]:
@@ -325,7 +247,3 @@ def dry_or_not(sets: Mapping[str, Sequence[Pass]]) -> dict[str, dict[str, float]
     labels = {dry: [p.friction for p in sets["design"] if (p.condition == "dry") is dry] for dry in (True, False)}
     mean = {dry: float(np.mean(values)) for dry, values in labels.items()}
     return {name: {p.name: mean[p.condition == "dry"] for p in part} for name, part in sets.items()}
-
-
-def _at(runs: Sequence[LabelledRun], speed: int) -> list[LabelledRun]:
-    return [run for run in runs if run.group == speed]

@@ -10,6 +10,7 @@ leads and -1 when wheelset 4 does.
 
 import csv
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from functools import partial
 from io import StringIO
 from pathlib import Path
@@ -20,7 +21,17 @@ from pydantic import Field, StrictInt
 
 from railgrip.base.errors import EstimationError, InputError
 from railgrip.base.files import LARGEST_TABLE, read_text
-from railgrip.campaign.work import Work, call
+from railgrip.estimation.axle_box.evaluate import (
+    Score,
+    TrainingRecipe,
+    average,
+    best_of,
+    judge,
+    within_runs,
+    without_each,
+)
+from railgrip.estimation.axle_box.instrumented_car import SETTLED, SLOW, SPECTRAL, LabelledRun, Readings, reduce
+from railgrip.estimation.axle_box.training import estimators_of, general
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.preprocessing import BOXES, COMBINATIONS
 from railgrip.estimators.learned.trained import Trained
@@ -30,10 +41,6 @@ from railgrip.recording.samples import reading_of
 from railgrip.recording.table import Column, DataTable, TimeColumn
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.table import Name, Table, one_of
-from railgrip.studies.axle_box.evaluate import Score, TrainingRecipe, average, best_of, judge, within_runs, without_each
-from railgrip.studies.axle_box.instrumented_car import SETTLED, SLOW, SPECTRAL, LabelledRun, Readings, reduce
-from railgrip.studies.axle_box.results import tables_of_recordings
-from railgrip.studies.axle_box.training import estimators_of, general
 
 
 class RunsTable(Table):
@@ -80,12 +87,16 @@ FEWEST = 4
 
 
 def judge_recordings(
-    runs: Sequence[LabelledRun], recipe: TrainingRecipe, work: Work, *, members: int = MEMBERS
-) -> tuple[dict[str, Any], dict[str, Trained]]:
-    """Return the tables on a user's runs and the estimators trained on them, by the name of their files.
+    runs: Sequence[LabelledRun], recipe: TrainingRecipe, run_all: Callable[[Sequence[Callable[[], Any]]], Sequence[Any]]
+) -> tuple[list[dict[str, Any]], dict[str, Trained]]:
+    """Return scores of estimators trained on a user's runs, and the estimators by the name of their files.
 
     Args:
         recipe: Of the networks of the paper, one for each speed class.
+        run_all: Returns the results of tasks, which it may run in other processes.
+
+    Returns:
+        Rows with `estimator`, `judged_on`, `mph`, None for all speeds, and the fields of `Score`.
 
     Raises:
         EstimationError: There are too few runs.
@@ -93,22 +104,22 @@ def judge_recordings(
     if len(runs) < FEWEST:
         raise EstimationError(f"there are {len(runs)} labelled runs; training and judging need {FEWEST} or more.")
     several = _classes(runs)
-    tasks: dict[tuple[str, int], Callable[[], Any]] = {("whole", 0): partial(general, runs, members)}
+    tasks: dict[tuple[str, int], Callable[[], Any]] = {("whole", 0): partial(general, runs, MEMBERS)}
     for group, runs_of_group in several.items():
         tasks["within", group] = partial(within_runs, runs_of_group, recipe)
         tasks["without one", group] = partial(without_each, runs_of_group, recipe)
         tasks["network", group] = partial(best_of, runs_of_group, recipe)
-    tasks |= {("each", k): partial(_without, runs, k, members) for k in range(len(runs))}
-    work.notify("training and judging")
-    results: dict[tuple[str, int], Any] = dict(zip(tasks, work.map(call, tasks.values()), strict=True))
-    tables = tables_of_recordings(
-        recipe,
-        {group: results["within", group] for group in several},
-        {group: results["without one", group] for group in several},
-        average(results["each", k] for k in range(len(runs))),
-    )
+    tasks |= {("each", k): partial(_without, runs, k, MEMBERS) for k in range(len(runs))}
+    results: dict[tuple[str, int], Any] = dict(zip(tasks, run_all(list(tasks.values())), strict=True))
+    rows = [
+        {"estimator": "network of the paper", "judged_on": where, "mph": group, **asdict(results[name, group])}
+        for name, where in (("within", "last 20 % of runs seen"), ("without one", "a run left out"))
+        for group in several
+    ]
+    whole = average(results["each", k] for k in range(len(runs)))
+    rows.append({"estimator": "all speeds", "judged_on": "a run left out", "mph": None, **asdict(whole)})
     networks = {group: results["network", group] for group in several}
-    return tables, estimators_of(results["whole", 0][0], networks, recipe)
+    return rows, estimators_of(results["whole", 0][0], networks, recipe)
 
 
 def _classes(runs: Sequence[LabelledRun]) -> dict[int, list[LabelledRun]]:

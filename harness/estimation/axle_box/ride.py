@@ -15,7 +15,7 @@ length = "400 m"
 direction = 1                       # -1: the fourth wheelset leads
 
 [estimator]
-kind = "learned"                    # by `railgrip study axle_box`, in CasADi; or "fmu", an FMU with the same interface
+kind = "learned"                    # by `make learn`, in CasADi; or "fmu", an FMU with the same interface
 file = "build/axle_box/friction.json"   # from the working directory or the folder of this file
 """
 
@@ -30,6 +30,7 @@ from matplotlib.figure import Figure
 from pydantic import Field
 
 from railgrip.base.errors import FmuError, ScenarioError
+from railgrip.estimation.axle_box.instrumented_car import RATE, SURFACES, Pass, held_speed, measure_run, ride
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.network import QUANTILE
 from railgrip.estimators.learned.preprocessing import BOXES
@@ -40,7 +41,6 @@ from railgrip.report.style import band, dress, panels
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, one_of
 from railgrip.scenario.track_geometry import TRACKS
-from railgrip.studies.axle_box.instrumented_car import RATE, SURFACES, Pass, held_speed, measure_run, ride
 
 LIBRARY = Path(__file__).parent / "library"
 INPUTS: Final = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s", "direction": "1"}
@@ -65,7 +65,7 @@ class EstimatorTable(Table):
 
     kind: Literal["learned", "fmu"]
     file: str = Field(
-        description=".json of `railgrip study axle_box`, or an FMU; from the working directory or this file's folder"
+        description=".json of `rg.learn_friction`, or an FMU; from the working directory or this file's folder"
     )
     trust: bool = Field(
         default=False, description="load an FMU into this process; otherwise it runs in a separate process"
@@ -159,7 +159,7 @@ def outputs_of(trained: Trained, samples: Mapping[str, Array]) -> dict[str, Arra
 
 
 def bind_estimator(file: Path) -> tuple[Description, Binding]:
-    """Return an FMU by `railgrip study axle_box`, or of the same interface, and the binding of its variables.
+    """Return an FMU by `make learn`, or of the same interface, and the binding of its variables.
 
     Args:
         file: Co-simulation FMU with inputs among `INPUTS`, and outputs `friction`, `known` and, with an interval,

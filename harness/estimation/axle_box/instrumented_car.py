@@ -23,7 +23,6 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import butter, lfilter, sosfilt
 
 from railgrip.base.arrays import generator
-from railgrip.campaign.work import Work
 from railgrip.estimation.judgement import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.preprocessing import (
@@ -451,14 +450,6 @@ def spectral_features(run: LabelledRun) -> Array:
     return every[np.searchsorted(metres, np.arange(min(first, last), last, EVERY))]
 
 
-def gather(passes: Sequence[Pass], work: Work) -> list[LabelledRun]:
-    """Return the reduced runs of passes."""
-    # Longest first, so that no worker begins a long one at the end.
-    order = sorted(passes, key=lambda passage: passage.speed / passage.length)
-    run_of_pass = dict(zip(order, work.map(run_of, order), strict=True))
-    return [replace(run_of_pass[passage], slope=slope(passage)) for passage in passes]
-
-
 def run_of(run: Pass) -> LabelledRun:
     """Simulate, measure and reduce a pass."""
     motion = ride(run)
@@ -467,4 +458,5 @@ def run_of(run: Pass) -> LabelledRun:
         reduced,
         slip_rate=rms(np.diff(motion.creep, axis=0) * CAR_RATE),
         slip_acceleration=rms(motion.slip_acceleration),
+        slope=slope(run),
     )

@@ -1,7 +1,0 @@
-"""Friction learned from axle-box accelerations: Abduraxman et al. (2024), judged on runs outside of the training.
-
-`instrumented_car` simulates the car and its sensors, and turns a run into training data, `evaluate` has splits and
-scores, `training` the passes and results of the study, `results` their tables and figures, `recordings` a user's folder
-of recorded runs, `ride` the car together with a trained estimator. Runs are open loop: the car has no brake;
-irregularities under four wheelsets are its twenty inputs at 1280 Hz.
-"""
