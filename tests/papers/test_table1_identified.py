@@ -1,6 +1,5 @@
 """Table 1 of Schwarz, Posielek and Goetjes identified from its distances and text, and its page."""
 
-import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -21,11 +20,9 @@ from railgrip.studies.papers.papers_study import (
     IDENTIFIED,
     LAWS,
     PAGE,
-    VALIDATION,
     median_seed,
     sentences,
     tables_of,
-    validation_tables,
 )
 from railgrip.studies.papers.table1 import (
     ABC,
@@ -72,23 +69,6 @@ def test_the_page_agrees_with_the_files_of_results(tables):
     text = PATH.read_text(encoding="utf-8")
     assert with_tables(text, tables) == text
     assert all(f"<!-- {name}: written by `railgrip study papers --write` -->\n" in text for name in tables)
-
-
-def test_the_validation_page_has_guards_and_limit_of_the_law():
-    text = (PROJECT / VALIDATION).read_text(encoding="utf-8")
-    assert with_tables(text, validation_tables(measures_of(PAGE, PROJECT))) == text
-
-
-def test_guards_state_a_lock_next_to_the_distance():
-    found = measures_of(PAGE, PROJECT)["guards"]
-    first, second = list(found)[:2]
-    column = next(iter(found[first]))
-    found[second][column] = {"distance": found[first][column]["distance"] + 5.0, "lock": 3.2}
-    found[second]["ideal-random"] = {"distance": None, "lock": 40.0}
-    texts = validation_tables({"guards": found, "excesses": []})["guards"].texts
-    assert texts[1]["ideal: trapezoid"] == "+5.0 m, locked 3.2 s"
-    assert texts[1]["ideal: random"] == "no stop"
-    assert re.fullmatch(r"[\d.]+ m, [\d.]+ – [\d.]+ m, locked [\d.]+ s", texts[0]["ideal: trapezoid"])
 
 
 def test_the_campaign_has_the_identified_rails_brakes_and_laws(identified):

@@ -16,9 +16,8 @@ from railgrip.report import palette, style
 from railgrip.report.figures import draw_adhesion, draw_wheelsets
 from railgrip.report.page import Page
 from railgrip.report.stop import Stop
-from railgrip.report.table import ReportTable, write_tables
+from railgrip.report.table import ReportTable
 from railgrip.simulate.run import run_stop
-from railgrip.studies.papers import printed
 from railgrip.studies.papers.courses import (
     COUPLED,
     LAST_RISE,
@@ -36,7 +35,6 @@ from railgrip.studies.papers.courses import (
 )
 from railgrip.studies.papers.creep_curves import CreepCurve, causes, figure_1, rails
 from railgrip.studies.papers.pages import PaperRow, arrow, box, canvas, comparison, write_results
-from railgrip.studies.papers.printed import deflection_table, deflections
 from railgrip.studies.papers.table1 import (
     ABC,
     ADHESION_SMALL,
@@ -434,8 +432,6 @@ def _rail(name: str) -> str:
 
 
 PAGE = "adhesion_based.md"
-VALIDATION = Path("docs/validation.md")
-"""Page with the table of braking distances, and with `validation_tables`."""
 
 
 def tables_of(
@@ -452,17 +448,11 @@ def tables_of(
         "lyapunov": violations_table(found["violations"]),
         "offset": offset_table(found["offsets"]),
         "wheelsets": used_table(found["used_by_wheelset"]),
-        "deflections": deflection_table(found["deflections"]),
     }
 
 
-def validation_tables(found: Mapping[str, Any]) -> dict[str, ReportTable]:
-    """Return the tables of the validation page by name; `found` are `measures`, with guards and excesses."""
-    return {"guards": printed.guards_table(found["guards"]), "limit": printed.limit_table(found["excesses"])}
-
-
 @dataclass(frozen=True)
-class Papers(Study, quick="few variants and repeats of the law as printed, on ideal equipment", whole=("fit",)):
+class Papers(Study, quick="one repeat of the law as printed on each rail", whole=("fit",)):
     """Draw figures and tables of the paper on adhesion-based control, with its Table 1 identified."""
 
     fit: Annotated[
@@ -470,7 +460,7 @@ class Papers(Study, quick="few variants and repeats of the law as printed, on id
     ] = False
     write: Annotated[
         bool,
-        Option("--write", help="Keep the fit in the study's library, and write its numbers into docs/papers and docs."),
+        Option("--write", help="Keep the fit in the study's library, and write its numbers into docs/papers."),
     ] = False
 
     def page(self, work: Work) -> Page:
@@ -478,8 +468,6 @@ class Papers(Study, quick="few variants and repeats of the law as printed, on id
         known = read_fits(FITS)
         fits = search(work, known[:KNOWN]) if self.fit else known
         identified = refine(work, fits) if self.fit else read_fits(IDENTIFIED)[0]
-        work.notify("guards of the law")
-        guards, excesses = printed.guards(work, is_quick=self.quick), printed.excesses(work, is_quick=self.quick)
         work.notify("figures")
         count = 1 if self.quick else FINAL["abc"]
         cases = [partial(repeat, name, identified.candidate, identified.levels[name], count) for name in SCENARIOS]
@@ -487,10 +475,8 @@ class Papers(Study, quick="few variants and repeats of the law as printed, on id
         of_causes, of_rails = causes(), rails()
         stops = stops_of(identified, median_seed(repeats["trapezoid"]))
         drawn = {"SBC": stops["trapezoid"], **{law: stops[law] for law in LAWS}}
-        found = measures(stops, of_rails) | {"guards": guards, "excesses": excesses, "repeats": repeats}
+        found = measures(stops, of_rails) | {"repeats": repeats}
         found["used_by_wheelset"] = {law: used_by_wheelset(stop, LIMIT) for law, stop in drawn.items()}
-        work.notify("filters with and without deflections")
-        found["deflections"] = deflections(work)
         tables = tables_of(fits, identified, found)
         figures = {
             "adhesion_based_4.png": adhesion_figure(stops),
@@ -504,7 +490,6 @@ class Papers(Study, quick="few variants and repeats of the law as printed, on id
             write_fits(IDENTIFIED, [identified])
             diagram = {"adhesion_based_2.svg": block_diagram()}
             write_results(PAGE, tables, figures | diagram, found)
-            write_tables(VALIDATION, validation_tables(found))
         return Page(
             title="Adhesion-based control: published figures and those of railgrip",
             question="Which creep curve, friction and parameters of the printed law reproduce Table 1 of the paper?",
@@ -512,7 +497,7 @@ class Papers(Study, quick="few variants and repeats of the law as printed, on id
             f"the best of {len(fits)} fits. Other values do so within a few percent: six distances do not determine "
             f"{len(BOUNDS) + len(SCENARIOS)} numbers.",
             template="studies/papers/papers.md.jinja",
-            values=tables | validation_tables(found),
+            values=tables,
             figures=figures,
             screen=(tables["published"], tables["sentences"], tables["lyapunov"], tables["alternatives"]),
         )
