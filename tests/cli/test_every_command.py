@@ -63,7 +63,7 @@ COMMANDS = {
     " --wheelsets-of-group 1 --period 0.001": "[vehicle.formation]",
     "export trapezoid --with service --set estimator.kind=none --set controller.kind=slip_two_state --part controller"
     " --fmi 3 --out out/law.fmu": "out/law.fmu",
-    "export plain --library --out out/library": "out/library/plain_onboard.h",
+    "export plain --library --out out/library --import-from .": "out/library/plain_onboard.h",
     "export plain --ssp out/plain.ssp": "out/plain.ssp",
     "export plain --page out/plain.html": "out/plain.html",
     "inspect out/run.csv --for stop --time 'time [s]' --decimal . --order day-first --out out/stop.toml":

@@ -240,8 +240,8 @@ class TargetBuild:
     def _calls(self) -> tuple[dict[str, set[str]], dict[str, int]]:
         """Return the functions that each function calls, and its own stack [bytes].
 
-        A call through a pointer may go to the functions in the tables of constants that the caller uses; without such
-        a table, to all whose addresses are stored in memory.
+        A call through a pointer may go to the functions in the tables of constants that the caller uses, and to those
+        whose addresses are in its own code; without either, to all whose addresses are stored in memory.
         """
         calls, own, through_pointer = dict[str, set[str]](), dict[str, int](), set[str]()
         uses, functions = dict[str, set[str]](), set[str]()
@@ -265,8 +265,8 @@ class TargetBuild:
         tables = {name: used for name, used in uses.items() if not name.startswith("text.")}
         stored = {each for name, used in uses.items() if name.startswith("text.") for each in used & functions}
         for function in through_pointer:
-            mine = [tables[each] for each in uses.get(f"text.{function}", ()) if each in tables]
-            reached = set().union(*mine) & functions if mine else stored
+            mine = uses.get(f"text.{function}", set[str]())
+            reached = mine.union(*(tables[each] for each in mine if each in tables)) & functions or stored
             calls.setdefault(function, set()).update(each.removeprefix("text.") for each in reached)
         return calls, own
 
