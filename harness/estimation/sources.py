@@ -27,7 +27,7 @@ from railgrip.estimation.run import by_name, start_by_reading
 from railgrip.estimation.spec import Specification, elements_of, parameters_for, settings_for
 from railgrip.estimators.belief import Vector
 from railgrip.fmus.native import Model
-from railgrip.recording.files import require_recording
+from railgrip.recording.files import require_format
 from railgrip.recording.read import FileRecording, read_recording, require_signals
 from railgrip.recording.samples import dimension_of, evenly, readings_in, recording_of, with_signals
 from railgrip.recording.table import TRUTH
@@ -263,8 +263,8 @@ def recording_of_estimation(
         ScenarioError: The scenario does not exist, or its stop fails.
     """
     if data is not None:
-        if data.suffix != ".nc":  # the tables are compared with the compiled model, which takes seconds
-            require_recording(data)
+        if data.suffix and data.suffix != ".nc":  # the model, which is compiled next, takes seconds
+            require_format(data)
         require_consistent(specification)
         recording = recording_for(specification, data).recording
     else:

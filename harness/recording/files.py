@@ -108,7 +108,7 @@ def read_table(
     Raises:
         EstimationError: Unreadable or of another format; a column is not there.
     """
-    require_recording(path)
+    _require_file(path)
     match path.suffix.lower():
         case ".csv":
             with _reading(path, "a csv file"):
@@ -119,17 +119,21 @@ def read_table(
             return _mat(path)
 
 
-def require_recording(path: Path) -> None:
-    """Raise an EstimationError for a file that does not exist, is too large, or has another format than `FORMATS`."""
+def require_format(path: Path) -> None:
+    """Raise an EstimationError for a file whose name has another ending than those of `FORMATS`."""
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
+        raise EstimationError(f"{path.name}: '{suffix}' is not a supported format; there is {', '.join(FORMATS)}.")
+
+
+def _require_file(path: Path) -> None:
     try:
         require_regular(path, LARGEST_TABLE)
     except InputError as problem:
         is_missing = isinstance(problem.__cause__, FileNotFoundError)
         hint = f"; name a recording ({', '.join(FORMATS)})" if is_missing else ""
         raise EstimationError(f"{problem}{hint}.") from problem
-    suffix = path.suffix.lower()
-    if suffix not in FORMATS:
-        raise EstimationError(f"{path.name}: '{suffix}' is not a supported format; there is {', '.join(FORMATS)}.")
+    require_format(path)
 
 
 @contextmanager
@@ -433,7 +437,7 @@ def _instants(path: Path, file: Columns, table: DataTable) -> Vector:
 @_quietly()
 def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Series]:
     """Return channels of an MDF file by name, each on its own instants; all when None, texts as NaN (`read_series`)."""
-    require_recording(path)
+    _require_file(path)
     library, series = _library(path, "asammdf", "mf4"), dict[str, Series]()
     logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # it raises an exception for each damage that it logs
     # Damage may show as late as in a block of samples.
