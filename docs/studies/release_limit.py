@@ -24,7 +24,7 @@ names = [case.name for case in design][: 1 if quick else None]
 cases = [{"case": case, "law": law, "limit": limit} for case in names for law in laws for limit in (0.0, *limits)]
 stops = rg.evaluate(stop_row, cases, "release_limit.csv")
 free = stops[stops["limit"] == 0.0].set_index(["case", "law"])
-limited = stops[stops["limit"] > 0.0].join(free, on=["case", "law"], rsuffix=" without")
+limited = stops[stops["limit"] > 0.0].join(free.add_suffix(" without"), on=["case", "law"])
 both = limited[limited["standstill"] & limited["standstill without"]].copy()
 both["change"] = both["distance"] - both["distance without"]
 both["ratio"] = both["distance"] / both["distance without"]
