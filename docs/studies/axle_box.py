@@ -289,7 +289,7 @@ network
 #
 # Where labels belong to other runs, so that friction is no longer in the data, the networks are nearly as good. Where
 # the high-pass starts at the mean of the first second, the offsets are gone and with them most of the accuracy. Either
-# start is an assumption of ours (MAE):
+# start is assumed here (MAE):
 
 # %%
 rg.table(by_speed("split", mae, [readings[2], "labels exchanged", "first second is zero"]), left=[""])

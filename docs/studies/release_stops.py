@@ -2,10 +2,14 @@
 
 from typing import Any
 
+import numpy as np
+
+from railgrip.recording.samples import period_of
 from railgrip.scenario.file import merge
 from railgrip.simulate.run import run_stop
 from railgrip.studies.type_test.case_set import case_named
 from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of, trains_of
+from railgrip.trace.measures import largest_sum
 
 
 def stop_row(case: str, law: str, limit: float) -> dict[str, Any]:
@@ -23,11 +27,7 @@ def stop_row(case: str, law: str, limit: float) -> dict[str, Any]:
 
 def longest(stop: Any) -> float:
     """Return the longest time without a demand on a group [s]."""
-    trace = stop.trace
-    demand, moves = trace["demand"].values, trace["speed"].values > 1.0
+    demand, moves = stop.trace["demand"].values, stop.trace["speed"].values > 1.0
     released = (demand < 0.05 * demand.max(axis=0)) & moves[:, None]
-    count = most = 0 * released[0]
-    for row in released:
-        count = (count + 1) * row
-        most = most * (count <= most) + count * (count > most)
-    return float(most.max() * float(trace["time"].diff("time").median()))
+    periods = np.full(len(released), period_of(stop.trace))
+    return max(largest_sum(of_group, periods) for of_group in released.T)

@@ -182,7 +182,7 @@ def export(
         return
     if ssp is not None:
         make_folder(ssp.parent, ssp.name)
-        say(str(write_ssp(scenario, ssp, targets)))
+        say(str(write_ssp(scenario, ssp, targets, objects)))
         return
     if library:
         if fmi == 3 or targets or part != "onboard":

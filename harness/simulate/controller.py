@@ -315,7 +315,7 @@ def controller_of(vehicle: VehicleData, own: FormulaLaw | None = None) -> LoopCo
     """Return the control law of a scenario, `own` if it is a user's, wrapped in the decisions for the whole train.
 
     Raises:
-        ScenarioError: A parameter is wrong, the controller is neither built-in nor `own`, or `own` is no formula.
+        ScenarioError: A parameter is wrong, the controller is neither built-in nor `own`, or `own` gives no formula.
     """
     return _add_train_level(vehicle, _built_in_law(vehicle) if own is None else _own_law(vehicle, own))
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, fields, replace
 from importlib import import_module, invalidate_caches
 from importlib.machinery import PathFinder
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
+from typing import Any, ClassVar, Literal, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -218,6 +218,25 @@ def require_methods(part: object, name: str, role: Role) -> None:
         raise ScenarioError(f"{name}: has no method {' and '.join(missing)}; {what} has {' and '.join(names)}")
 
 
+def names_in(part: object, name: str, attribute: Literal["needs", "provides"]) -> tuple[str, ...]:
+    """Return an attribute of a class or an object that holds names of estimates; empty if the attribute is missing.
+
+    Raises:
+        ScenarioError: The attribute is not a collection of such names.
+    """
+
+    def refusal(found: str) -> ScenarioError:
+        return ScenarioError(
+            f"{name}: `{attribute}` is {found}; expected are names of {', '.join(PROVIDED)}, "
+            f'as in {attribute} = ("adhesion",)'
+        )
+
+    value = call_user_code(lambda: getattr(part, attribute, ()), refusal)
+    if not isinstance(value, tuple | list) or not all(isinstance(each, str) and each in PROVIDED for each in value):
+        raise refusal(short(value))
+    return tuple(dict.fromkeys(value))
+
+
 class _Adapter:
     """A user's object in its role: what it raises, or wrongly returns, becomes an error of the role.
 
@@ -271,24 +290,6 @@ class _Adapter:
             return f"{self._place(method)} failed: {what}."
         return f"{self.name}.{method} failed in {_file(theirs[-1].filename)}, line {theirs[-1].lineno}: {what}."
 
-    def _names(self, attribute: str) -> tuple[str, ...]:
-        """Return an attribute that holds names of estimates; empty if the attribute is missing.
-
-        Raises:
-            ScenarioError: The attribute is not a collection of such names.
-        """
-
-        def refusal(found: str) -> ScenarioError:
-            return ScenarioError(
-                f"{self.name}: `{attribute}` is {found}; expected are names of {', '.join(PROVIDED)}, "
-                f'as in {attribute} = ("adhesion",)'
-            )
-
-        value = call_user_code(lambda: getattr(self._part, attribute, ()), refusal)
-        if not isinstance(value, tuple | list) or not all(isinstance(name, str) and name in PROVIDED for name in value):
-            raise refusal(short(value))
-        return tuple(dict.fromkeys(value))
-
     def _require_numbers(
         self,
         method: str,
@@ -318,7 +319,7 @@ class CustomController(_Adapter):
             ScenarioError: It lacks the methods of a controller, or fails to start.
         """
         super().__init__(controller)
-        self._shape, self.needs = (formation.groups,), self._names("needs")
+        self._shape, self.needs = (formation.groups,), names_in(controller, self.name, "needs")
         self._call("start", _guard_formation(formation), failed=ScenarioError)
 
     @property
@@ -357,7 +358,7 @@ class CustomEstimator(_Adapter):
             ScenarioError: It lacks the methods of an estimator, or provides no estimates.
         """
         super().__init__(estimator)
-        self.provides = self._names("provides")
+        self.provides = names_in(estimator, self.name, "provides")
         if not self.provides:
             raise ScenarioError(f"{self.name}: `provides` is empty; an estimator names there what its steps give")
         self._formation, self._has_started = _guard_formation(formation), False
@@ -679,9 +680,16 @@ def instance_of(kind: type, parameters: Mapping[str, Any], where: str) -> Any:
     """Return a new object of a user's class; a law that is a formula becomes a `FormulaLaw`.
 
     Raises:
-        ScenarioError: The class does not take these parameters, or raises; the message begins with `where`.
+        ScenarioError: The class does not take these parameters, raises, or has attributes that have no effect; the
+            message begins with `where`.
     """
     if issubclass(kind, GroupLaw):
+        names_in(kind, kind.__name__, "needs")
+        if kind.exceeds_driver or kind.valve_band is not None:
+            raise ScenarioError(
+                f"{where} {kind.__name__}: `exceeds_driver` and `valve_band` have an effect only in laws of railgrip; "
+                "leave them out"
+            )
         return FormulaLaw(kind, dict(parameters))
     return call_user_code(
         lambda: kind(**parameters),

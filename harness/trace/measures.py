@@ -192,10 +192,10 @@ def longest_lock(trace: xarray.Dataset, *, above: float = -np.inf) -> tuple[floa
     """
     times = _sample_times(trace)
     locked = (trace["locked"].values > 0.5) & (trace["speed"].values > above)[:, None]
-    return tuple(_largest_sum(column, times) for column in locked.T)
+    return tuple(largest_sum(column, times) for column in locked.T)
 
 
-def _largest_sum(holds: NDArray[np.bool_], values: Array) -> float:
+def largest_sum(holds: NDArray[np.bool_], values: Array) -> float:
     """Return the largest sum of values over samples in which a condition holds without interruption; 0 if it never
     does."""
     turns = np.flatnonzero(np.diff(holds, prepend=False, append=False))
@@ -252,7 +252,7 @@ def flat_length(trace: xarray.Dataset) -> tuple[float, ...]:
     rolled = (1 - trace["slip"].values) * trace["speed"].values[:, None]
     lengths: list[float] = []
     for wheelset, group in enumerate(of_wheelset):
-        worn = _largest_sum(locked[:, wheelset], np.where(locked[:, wheelset], energy[:, wheelset], 0.0))
+        worn = largest_sum(locked[:, wheelset], np.where(locked[:, wheelset], energy[:, wheelset], 0.0))
         turns = turning[:, group] > 0
         radius = np.median(rolled[turns, group] / turning[turns, group]) if turns.any() else nan
         length = (64 * radius**2 * WEAR * worn / 2 / DENSITY / (np.pi * np.sqrt(radius * RAIL_HEAD))) ** 0.25

@@ -120,6 +120,10 @@ def test_demands_are_limited_to_the_brake_and_a_missing_slip_brakes_fully(scenar
         (law(lambda _, tuning, __: tuning["low"]), "does not give a formula: .*'low'"),
         (law(lambda _, __, group: group.brake["pressure_max"], tuning=None), "does not give a formula: .*'units'"),
         (law(lambda _, __, group: group.adhesion * 1e6, needs=("adhesion",)), "needs estimates of adhesion"),
+        (law(lambda _, __, group: group.slip, needs=("speed_of_sound",)), "`needs` is .*expected are names of"),
+        (law(lambda _, __, group: group.slip, needs=3), "`needs` is 3"),
+        (law(lambda _, __, group: group.slip, exceeds_driver=True), "have an effect only in laws of railgrip"),
+        (law(lambda _, __, group: group.slip, valve_band=1e4), "leave them out"),
         (
             law(lambda _, __, group: choose(group.train[0].slip < 0.1, 1.0, 0.0) * group.brake["pressure_max"]),
             None,
@@ -133,7 +137,20 @@ def test_demands_are_limited_to_the_brake_and_a_missing_slip_brakes_fully(scenar
             "lowers the pressure of group 4 while the wheels of group 1 slide",
         ),
     ],
-    ids=["nan", "negative", "signal", "parameter", "tuning", "needs", "train", "order"],
+    ids=[
+        "nan",
+        "negative",
+        "signal",
+        "parameter",
+        "tuning",
+        "needs",
+        "unknown",
+        "number",
+        "driver",
+        "valves",
+        "train",
+        "order",
+    ],
 )
 def test_a_formula_that_cannot_brake_is_refused(own, sentence):
     scenario = rg.Scenario.load("trapezoid", {"estimator": {"kind": "none"}})

@@ -101,7 +101,7 @@ Term = tuple[Control, int]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Stop:
+class _StopAtStart:
     """A stop before its first sample.
 
     Attributes:
@@ -115,7 +115,7 @@ class _Stop:
     law: Sampled
 
 
-_OpenAt = Callable[..., AbstractContextManager[tuple[StopAssembly, _Stop]]]
+_OpenAt = Callable[..., AbstractContextManager[tuple[StopAssembly, _StopAtStart]]]
 """Opens a stop at values of the controls, and with further overrides."""
 
 
@@ -183,7 +183,7 @@ def _assembled(
     controls: Sequence[Control],
     values: Mapping[Control, float],
     *more: str,
-) -> Generator[tuple[StopAssembly, _Stop]]:
+) -> Generator[tuple[StopAssembly, _StopAtStart]]:
     """Open a stop at values of the controls, with another kind of law if one is given."""
     law = [f"controller.kind={kind}"] if kind else []
     scenario = load([*law, *(each for c in controls for each in c.overrides(values.get(c, c.start))), *more])
@@ -199,7 +199,7 @@ def _assembled(
             )
         )
         of_plant = np.array([value for each in plant.setup[2] for value in each.values], dtype=np.float64)
-        yield opened, _Stop(image=image, words=np.concatenate([image.words.view(np.float64), of_plant]), law=law)
+        yield opened, _StopAtStart(image=image, words=np.concatenate([image.words.view(np.float64), of_plant]), law=law)
 
 
 def _require_c(scenario: Scenario, parts: Parts) -> tuple[CoSimulation, Sampled]:
@@ -387,7 +387,9 @@ def _fit(
     ]
 
 
-def _thresholds(law: str, stop: _Stop, open_at: _OpenAt, objects: CustomParts, remarks: list[str]) -> list[JsonObject]:
+def _thresholds(
+    law: str, stop: _StopAtStart, open_at: _OpenAt, objects: CustomParts, remarks: list[str]
+) -> list[JsonObject]:
     """Return the parameters of a law that the page may change, and those that each of them must not exceed."""
     kind: type[GroupLaw] = law_named(law) or class_of(Custom(kind=law), "controllers", objects.folders)
     tuning, names = kind.tuning, [variable.name for variable in stop.law.formula.parameters]

@@ -17,6 +17,7 @@ from railgrip.scenario.vehicle_table import FmuFile
 from railgrip.simulate.bound_plant import binding_of, values_of
 from railgrip.simulate.export.c_parts import part_fmu
 from railgrip.simulate.export.controller_and_plant import controller_fmu, in_other_units, plant_fmu, valves_fmu
+from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomParts
 from railgrip.simulate.vehicle_data import VehicleData
 
 _NAMESPACES = {
@@ -52,7 +53,9 @@ class _Connection:
     is_converted: bool = False
 
 
-def write_ssp(scenario: Scenario, path: Path, platforms: Sequence[str] = ()) -> Path:
+def write_ssp(
+    scenario: Scenario, path: Path, platforms: Sequence[str] = (), objects: CustomParts = NO_CUSTOM_PARTS
+) -> Path:
     """Write a scenario's system into a file.
 
     The parameters of the scenario are start values of the FMUs and, in addition, a parameter set of the system.
@@ -61,6 +64,7 @@ def write_ssp(scenario: Scenario, path: Path, platforms: Sequence[str] = ()) -> 
         scenario: Scenario to export.
         path: Path of the .ssp file.
         platforms: See `railgrip.fmus.native.package.archive_bytes`.
+        objects: Folders of the classes that the scenario names.
 
     Raises:
         ScenarioError: A part cannot be exported as an FMU.
@@ -68,7 +72,9 @@ def write_ssp(scenario: Scenario, path: Path, platforms: Sequence[str] = ()) -> 
     """
     vehicle = VehicleData(scenario)
     binding = binding_of(vehicle)
-    components = {component.name: component for component in _components(scenario, vehicle, binding, platforms)}
+    components = {
+        component.name: component for component in _components(scenario, vehicle, binding, platforms, objects)
+    }
     connections = [*_connections(vehicle, binding, components)]
     members = {f"resources/{name}.fmu": component.content for name, component in components.items()}
     members["SystemStructure.ssd"] = _bytes(_structure(scenario, components, connections))
@@ -78,7 +84,7 @@ def write_ssp(scenario: Scenario, path: Path, platforms: Sequence[str] = ()) -> 
 
 
 def _components(
-    scenario: Scenario, vehicle: VehicleData, binding: Binding, platforms: Sequence[str]
+    scenario: Scenario, vehicle: VehicleData, binding: Binding, platforms: Sequence[str], objects: CustomParts
 ) -> Iterator[_Component]:
     if isinstance(scenario.vehicle.source, FmuFile):
         file = vehicle.file.file
@@ -102,14 +108,14 @@ def _components(
         return in_other_units(system, of_plant, to_plant)
 
     sources |= {
-        "track": part_fmu(scenario, "track", convert),
-        "sensors": part_fmu(scenario, "sensors", lambda system: in_other_units(system, of_plant, {})),
-        "estimator": part_fmu(scenario, "estimator"),
+        "track": part_fmu(scenario, "track", convert, objects),
+        "sensors": part_fmu(scenario, "sensors", lambda system: in_other_units(system, of_plant, {}), objects),
+        "estimator": part_fmu(scenario, "estimator", objects=objects),
     }
     if (valves := valves_fmu(scenario, commands)) is None:
-        sources["law"] = controller_fmu(scenario, with_valves=False, convert=commands)
+        sources["law"] = controller_fmu(scenario, with_valves=False, convert=commands, objects=objects)
     else:
-        sources |= {"law": controller_fmu(scenario, with_valves=False), "valves": valves}
+        sources |= {"law": controller_fmu(scenario, with_valves=False, objects=objects), "valves": valves}
     for name, source in sources.items():
         if source is not None:
             yield _Component(name, archive_bytes(source, platforms=platforms), ET.fromstring(source.xml))
