@@ -12,6 +12,7 @@ from one_process import one_process
 from pages import figures_of, needs_nothing_else
 
 from railgrip.base.errors import ScenarioError
+from railgrip.studies.type_test import type_test_study
 from railgrip.studies.type_test.entrants import entrants, entrants_named, train_of
 from railgrip.studies.type_test.page import compare_controllers
 
@@ -98,6 +99,18 @@ def test_only_missing_stops_are_run(results, tmp_path):
 
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
+
+
+def test_shipped_stops_are_judged_and_not_written_as_those_of_the_present_release(tmp_path, monkeypatch):
+    (tmp_path / "docs").mkdir()
+    page = tmp_path / "docs/type_test.md"
+    shutil.copy(Path(__file__).parents[2] / "docs/type_test.md", page)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(type_test_study, "LIBRARY", tmp_path / "written")
+    (tmp_path / "written").mkdir()
+    assert run("--version", "2", "--cases", "24", "--shipped", "--write") == 0
+    assert list((tmp_path / "written").iterdir()) == []
+    assert "24 cases of the test set" in page.read_text(encoding="utf-8")
 
 
 def test_redistribution_shortens_a_service_brake_on_a_rail_cleaned_by_wheels(tmp_path, capsys):

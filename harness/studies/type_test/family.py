@@ -164,18 +164,20 @@ def _rows_of_laws(stops: Frame) -> Frame:
     return stops[~stops["controller"].isin([*registry.ANALYSES, "full_brake"])]
 
 
-class _Judged(NamedTuple):
+class _CaseStop(NamedTuple):
     distance: float
     variants: Mapping[str, str]
 
 
-def _laws(stops: Frame) -> dict[str, dict[str, _Judged]]:
+def _laws(stops: Frame) -> dict[str, dict[str, _CaseStop]]:
     """Return law → case → distance [m] and variants of its judged stop."""
     laws = groups_of(_rows_of_laws(stops), ("controller",))
-    return {law: {row.case: _Judged(row.distance_m, row.variants) for row in own.itertuples()} for (law,), own in laws}
+    return {
+        law: {row.case: _CaseStop(row.distance_m, row.variants) for row in own.itertuples()} for (law,), own in laws
+    }
 
 
-def _families(stops: Mapping[str, _Judged], *, small: bool = False) -> dict[str, list[str]]:
+def _families(stops: Mapping[str, _CaseStop], *, small: bool = False) -> dict[str, list[str]]:
     """Return the cases of each family that has `FEWEST` cases or is that of Table 1, or of each smaller one."""
     families = gather(
         (f"{axis}: {stop.variants[axis]}", name)
@@ -190,7 +192,7 @@ def _counts(family: str, cases: int) -> bool:
     return cases >= FEWEST or family == f"rail: {TABLE_1}"
 
 
-def _ratio(one: _Judged, other: _Judged) -> float:
+def _ratio(one: _CaseStop, other: _CaseStop) -> float:
     if math.isnan(one.distance):
         return 1.0 if math.isnan(other.distance) else math.inf
     return 0.0 if math.isnan(other.distance) else one.distance / other.distance
