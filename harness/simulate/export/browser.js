@@ -8,7 +8,7 @@ const make = (tag, fields = {}, ...inside) => {
 };
 
 /* Stops run in a worker; one that does not answer is ended and replaced. */
-let worker, ready, number = 0;
+let worker, number = 0;
 const calls = new Map();
 function request(content) {
   return new Promise((done, failed) => {
@@ -18,8 +18,8 @@ function request(content) {
   });
 }
 function drop(reason) {
-  worker.terminate();
-  ready = null;
+  worker?.terminate();
+  worker = null;
   for (const { failed, end } of calls.values()) clearTimeout(end), failed(new Error(reason));
   calls.clear();
 }
@@ -34,12 +34,13 @@ function start() {
     failed(new Error(error));
     drop(error); // after a trap, the memory of the module may be in any state
   };
-  return request({ data, module: document.getElementById("module").textContent });
+  worker.postMessage({ data, module: document.getElementById("module").textContent });
 }
 globalThis.runStops = async (settings) => {
-  await (ready ??= start());
+  if (!worker) start();
   return request({ settings });
 };
+try { start(); } catch { /* the first stop tries again */ } // decodes the module while the controls are made
 
 /* Controls: `settings` has the values in SI units. */
 const settings = { controls: {}, laws: {}, shown: data.laws.map((law) => law.kind).slice(0, 3) };
@@ -96,7 +97,7 @@ function problems() {
 }
 
 /* Results. */
-let stops = [], group = 0, chosen = "", isRunning = false, isStale = false;
+let stops = [], chosen = "", isRunning = false, isStale = false, drawnWidth = 0;
 const results = document.getElementById("results"), figures = document.getElementById("figures");
 async function update() {
   isStale = true;
@@ -109,7 +110,7 @@ async function update() {
     try {
       if (wrong.length) {
         results.replaceChildren(...wrong.map((text) => make("p", { className: "bad", textContent: text })));
-        figures.replaceChildren();
+        stops = [], draw();
       }
       for (const kind of wrong.length ? [] : settings.shown) {
         const found = await runStops({ ...settings, shown: [kind] });
@@ -145,8 +146,7 @@ function show() {
   const head = make("tr", {}, ...["law", "distance", "duration"].map((text) => make("th", { textContent: text })));
   results.replaceChildren(make("table", {}, head, ...rows));
   if (!stops.some((stop) => stop.kind === chosen)) chosen = stops[0]?.kind ?? "";
-  draw();
-  document.body.dataset.ran = stops.length;
+  requestAnimationFrame(() => setTimeout(draw)); // the distances are visible before the figures are drawn
 }
 const colour = (kind) => COLOURS[data.laws.findIndex((law) => law.kind === kind)];
 
@@ -191,6 +191,7 @@ function figure(title, xTitle, lines, { top, log = false, marks = [] } = {}) {
   return one;
 }
 function draw() {
+  drawnWidth = innerWidth;
   const stop = stops.find((one) => one.kind === chosen), shades = ["#0a5fb4", "#c4500c", "#3a7d34", "#7b3fa0", "#997000", "#00838f", "#ad1457", "#555"];
   if (!stop) return figures.replaceChildren();
   const time = (_, k) => Math.min(k * data.stride * data.period, stop.time), { columns } = data, groups = data.first.length;
@@ -212,6 +213,5 @@ function draw() {
   ];
   figures.replaceChildren(drawn[0], make("p", { className: "choice" }, "Figures for ", choice), ...drawn.slice(1));
 }
-let drawnWidth = innerWidth;
-addEventListener("resize", () => { if (innerWidth !== drawnWidth) drawnWidth = innerWidth, draw(); });
+addEventListener("resize", () => { if (innerWidth !== drawnWidth) draw(); });
 update();

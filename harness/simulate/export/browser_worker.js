@@ -1,9 +1,9 @@
 // Runs stops in WebAssembly, away from the page, which stays responsive.
-let api, data, shape, bases;
+let api, data, prepared, friction, rows, bases;
 
 async function inflate(text) {
-  const packed = new Blob([Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0))]);
-  return new Response(packed.stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+  const packed = Uint8Array.fromBase64?.(text) ?? Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
 }
 
 async function prepare(module) {
@@ -14,16 +14,21 @@ async function prepare(module) {
   }
   api = (await WebAssembly.instantiate(compiled, imports)).exports;
   api._initialize?.();
-  const { columns } = data.rail, bits = new BigInt64Array(await inflate(data.rail.shape));
-  for (let pass = 0; pass < 2; pass++) for (let i = columns; i < bits.length; i++) bits[i] += bits[i - columns];
-  shape = new Float64Array(bits.buffer);
+  friction = place(new BigInt64Array(await inflate(data.rail.shape)));
+  api.add_up(friction, data.rail.rows, data.rail.columns);
+  rows = allocate(8 * data.width * (Math.floor(data.samples / data.stride) + 3));
   bases = await Promise.all(data.laws.map(async (law) => new Float64Array(await inflate(law.words))));
+}
+
+function allocate(bytes) {
+  const at = api.allocate(bytes);
+  if (!at) throw new Error("the browser has no memory left for the stop");
+  return at;
 }
 
 // Copies an array into the module; a view of its memory is valid until the next allocation.
 function place(array) {
-  const at = api.allocate(array.byteLength);
-  if (!at) throw new Error("the browser has no memory left for the stop");
+  const at = allocate(array.byteLength);
   new array.constructor(api.memory.buffer, at, array.length).set(array);
   return at;
 }
@@ -47,12 +52,11 @@ function words(number, settings) {
 
 function run(number, settings) {
   const law = data.laws[number], all = words(number, settings), { rail, width } = data;
-  const most = Math.floor(data.samples / data.stride) + 3;
   const memory = [], put = (array) => memory[memory.push(place(array)) - 1];
   try {
     const recovery = put(Float64Array.from(rail.recovery)), links = put(Int32Array.from(law.links));
-    const friction = put(shape), image = put(all.slice(0, law.image)), parameters = put(all.slice(law.image));
-    const rows = put(new Float64Array(most * width)), written = put(new Int32Array(1));
+    const image = put(all.slice(0, law.image)), parameters = put(all.slice(law.image));
+    const written = put(new Int32Array(1));
     const level = settings.controls.friction ?? rail.level;
     api.lay_rail(friction, rail.rows, rail.columns, level * rail.factor, rail.recovered, recovery);
     const began = performance.now();
@@ -80,12 +84,12 @@ function peaks(rows) {
 }
 
 onmessage = async ({ data: request }) => {
+  if (request.module) {
+    data = request.data, prepared = prepare(request.module);
+    return;
+  }
   try {
-    if (request.module) {
-      data = request.data;
-      await prepare(request.module);
-      return postMessage({ id: request.id });
-    }
+    await prepared;
     const shown = data.laws.flatMap(({ kind }, number) => request.settings.shown?.includes(kind) === false ? [] : [number]);
     const stops = shown.map((number) => run(number, request.settings));
     postMessage({ id: request.id, stops }, stops.map((stop) => stop.rows.buffer));

@@ -45,6 +45,14 @@ SHOWN(plant_message) const char *plant_message(void)
     return message;
 }
 
+/* The bits of the shape of a rail, (rows x columns), from their second differences along a column. */
+SHOWN(add_up) void add_up(unsigned long long *bits, int rows, int columns)
+{
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = columns; i < rows * columns; i++)
+            bits[i] += bits[i - columns];
+}
+
 /* The friction of a rail from that of its shape, (rows x columns): a factor, and conditioning as in
    scenario/adhesion.py, with the recovery of each wheelset. */
 SHOWN(lay_rail)
