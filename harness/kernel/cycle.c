@@ -2,7 +2,7 @@
    it is called again.
 
    Each sample: the plant advances under the commands held since the last sample; its outputs are checked; the sensors
-   read; the driver demands; the estimator, when due, predicts under the pressures read one sample before and updates
+   read; the driver demands; the estimator, when due, predicts under the pressures read at its last step and updates
    with the new reading; the controller, when due, decides. The lower of its demand and the driver's goes to the valves.
    The row of a sample holds the true state at its end, the reading and estimate then, and the demand and command for
    it. */

@@ -114,7 +114,7 @@ def frame_of(results: Results) -> Frame:
     - `reference`: "published" or "best tuned" for the stop with this SBC, with which others are compared, else None.
     - `repeated`, `other_repeats`: text with median and range of the distance under perturbations of the plant's
       parameters in the seventh digit, and with the distances with FMUs of other compilers, and with other lots of
-      sensors; `stated`: the `StatedDistance` of these and of the run.
+      sensors; `stated`: the `StatedDistance`, which one of these or the run itself gives.
     - `stated_vs_sbc`, `stated_vs_tuned`: change of the stated distance against that with the published, or the best
       tuned, SBC in the same conditions; infinite without standstill. All other numbers of a row are of one run.
     - `fitted`: whether the friction of the rail is fitted to published distances.

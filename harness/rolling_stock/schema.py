@@ -922,7 +922,7 @@ class Train(Table):
                         mass=masses[len(axles)],
                         inertia=inertia,
                         units=units,
-                        dynamic_units=int(dynamic_units) if bogie.dynamic_brake is not None else 0,
+                        dynamic_units=int(dynamic_units) if isinstance(bogie.dynamic_brake, AxleBrake) else 0,
                         parking_units=int(parking_units) if data.parking_brake else 0,
                         bogie=number,
                         car=car,

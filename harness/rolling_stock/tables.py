@@ -25,6 +25,7 @@ def table_of_axles(train: Train) -> ReportTable:
             "full brake": rim / 1e3,
             "of the load": rim / axle_load(axle.mass),
             "dynamic brake": bogie.data.dynamic_brake if axle.dynamic_units else None,
+            "on the rail": ", ".join(name for name, _ in bogie.rail_brakes if number - 1 == bogie.axles[0]) or None,
             "parking": holding / 1e3 or None,
         }
         for number, (axle, rim, holding) in enumerate(
@@ -33,8 +34,9 @@ def table_of_axles(train: Train) -> ReportTable:
         for bogie in [train.bogies_in_train[axle.bogie]]
     ]
     forms = {"at": "{:.2f} m", "mass": "{:.2f} t", "full brake": "{:.1f} kN", "of the load": "{:.3f}"}
-    table = ReportTable(rows, forms | {"parking": "{:.1f} kN"}, ("car", "bogie", "dynamic brake"))
-    return table.without({key for key in ("dynamic brake", "parking") if not any(row[key] for row in rows)})
+    optional = ("dynamic brake", "on the rail", "parking")
+    table = ReportTable(rows, forms | {"parking": "{:.1f} kN"}, ("car", "bogie", *optional[:2]))
+    return table.without({key for key in optional if not any(row[key] for row in rows)})
 
 
 def table_of_distributors(train: Train) -> ReportTable:

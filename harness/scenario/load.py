@@ -225,7 +225,7 @@ def explain_unsupported(key: str) -> str:
     """Return a sentence on a key for unsupported equipment; empty for any other key."""
     name = re.sub(r"[\s.-]+", "_", key).casefold()
     found = next((words for pattern, words in UNSUPPORTED.items() if re.fullmatch(pattern, name)), None)
-    return f"{found[0]} not supported in this file; {found[1]}" if found else ""
+    return f"{found[0]} not supported here; {found[1]}" if found else ""
 
 
 Kind = Literal["scenario", "campaign", "estimation", "train"]

@@ -269,7 +269,9 @@ def _prediction_model(table: KalmanFilter, name: str, layout: Layout) -> Model:
     states, groups = [variable.name for variable in model.states], layout.formation.groups
     prediction_groups = sum(name.startswith("wheelset_speed[") for name in states)
     if prediction_groups != groups:
-        raise ScenarioError(f"{where} is for {prediction_groups} groups, the vehicle has {groups}")
+        raise ScenarioError(
+            f"{where} is for {prediction_groups} groups, the vehicle has {groups}; choose a model for as many"
+        )
     needs = {
         "state": (_required_states(layout), states),
         "parameter": (

@@ -11,7 +11,7 @@ from sampling import FUZZ
 LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
 
 EXPLICIT = {
-    "EnergyOfAStop", "EnergyOfAConsist", "TrainOfComponents", "ValveTimes", "AirCounted", "ReservoirBalance",
+    "EnergyOfAStop", "EnergyOfAConsist", "ValveTimes", "AirCounted", "ReservoirBalance",
     "BrakePipeOfTenCoaches",
 }  # fmt: skip
 """Models with a whole train, air or a clock: rumoca's BDF is slow, or fails with an error of its sampler."""

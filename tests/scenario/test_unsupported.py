@@ -36,7 +36,7 @@ def scenario_with(table: str, key: str) -> Scenario:
 )
 @pytest.mark.parametrize(("key", "word"), KEYS.items())
 def test_a_file_with_such_a_key_is_refused_with_an_explanation(key, word, read, place):
-    with pytest.raises(ScenarioError, match=rf"has no key '{key}'; .*{word}.* not supported in this file; ") as refused:
+    with pytest.raises(ScenarioError, match=rf"has no key '{key}'; .*{word}.* not supported here; ") as refused:
         read(place, key)
     assert "did you mean" not in str(refused.value)
 
