@@ -14,9 +14,16 @@ from typing import NamedTuple
 from railgrip.base.files import write_text
 from railgrip.base.registry import shelf
 from railgrip.campaign.workers import workers
+from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
 from railgrip.simulate.run import braking_distance
-from railgrip.studies.papers.table1 import SBC
+
+SBC = {
+    one.match["scenario"].removeprefix("identified_"): one.distance
+    for one in load_campaign(shelf("campaigns")["identified"]).references
+    if one.match["controller"] == "slip_two_state"
+}
+"""Scenario → braking distance of slip-based control in Table 1 [m]."""
 
 SHAPES = ("dry", "wet", "low_steep", "poor_wheelset_study")
 """Published shapes of the creep curve for which levels are fitted."""

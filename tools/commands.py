@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
+from calibration import SBC
 from calibration import calibrate as fit_levels
 from compilers import compare
 from conditioning import Refinement, campaign_of, conditioning_of, merged, repeats_of, with_refinement
@@ -61,7 +62,6 @@ from railgrip.report.style import save
 from railgrip.report.table import ReportTable, write_tables, yes_no
 from railgrip.scenario.campaign import Campaign, load_campaign
 from railgrip.scenario.conditioning import RepeatedDistances, read_conditioning, text_of
-from railgrip.studies.papers.table1 import SBC
 
 FOREIGN = Path("docs/foreign_fmus.md")
 INSTALL = Path("docs/how_to/install.md")

@@ -6,7 +6,7 @@ import numpy as np
 
 from railgrip.report.palette import BLUE, GREEN, VERMILION
 from railgrip.report.style import figure
-from railgrip.studies.papers.creep_curves import curves
+from railgrip.simulate.creep_curves import curves
 
 
 def main(path: str) -> None:

@@ -20,7 +20,7 @@ m is the largest integral of μ̄ − μ0 over a part of the horizon H:
     slip ≤ s + c (R t₁ − E₁)/Λ + c r N q m exp(ΛH),  t₁ = ln(R/(R − Λ E_τ))/Λ
 
 The terms with μ̄ and m are the effect of ∂α/∂μ0·μ̇0. If the right-hand side does not exceed b, nor does slip, and the
-bounds hold. It is evaluated for each b of a grid; docs/papers/adhesion_based.md has the proof. Assumptions: adhesion
+bounds hold. It is evaluated for each b of a grid; docs/studies/adhesion_based.md has the proof. Assumptions: adhesion
 over friction does not rise with friction, as with Polach's curve; the valve obeys; the rigging has no hysteresis; and
 heat does not lower the friction.
 """

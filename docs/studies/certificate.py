@@ -4,7 +4,7 @@
 # In which states of a stop does a release of the brake keep the slip of a wheelset bounded?
 #
 # <!-- constants: docs/studies/bounded_slip.py, harness/trace/measures.py -->
-# [Adhesion-based brake control](../papers/adhesion_based.md#when-slip-stays-bounded) has the theorem and its proof.
+# [Adhesion-based brake control](adhesion_based.md#when-slip-stays-bounded) has the theorem and its proof.
 # Here it is evaluated in stops of the small set of [version 2 of the type test](../type_test.md#version-2), with the
 # true rail of the next moments. Samples count for each group with a brake and more than 1 % slip, while the train is
 # faster than 15 km/h. *Inside* is the share of them in which the certificate bounds the slip after a release of the

@@ -4,16 +4,17 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from table1_stops import OWN_WAY, RAILS
 
 import railgrip as rg
 from railgrip.base.arrays import Vector
 from railgrip.scenario.file import merge
 from railgrip.scenario.load import scenario_of
 from railgrip.scenario.surface import named_set
+from railgrip.simulate.creep_curves import CLEAN, curves, maxima
+from railgrip.simulate.creep_curves import SLIPS as STEADY_SLIPS
 from railgrip.simulate.ideal import held_stop
 from railgrip.simulate.run import run_stop
-from railgrip.studies.papers.creep_curves import CLEAN, OWN_WAY, RAILS, curves, maxima
-from railgrip.studies.papers.creep_curves import SLIPS as STEADY_SLIPS
 from railgrip.studies.type_test.entrants import LIBRARY, entrants, train_of
 
 CAUSES = {"film alone": (), "heat": ("temperature_loss",), "cleaning": ("recovery",),

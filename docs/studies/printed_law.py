@@ -4,17 +4,17 @@
 # <!-- constants: Schwarz, Posielek and Goetjes (2021) -->
 # Schwarz, Posielek and Goetjes (2021) print the law u = L sgn(ṡ α̇), state that it keeps a limit of adhesion of 0.15,
 # and that its filter does not need the deflections of the primary suspension. What do its guards change, is the limit
-# kept, and is the filter as good without deflections? [Adhesion-based control](../papers/adhesion_based.md) has their
+# kept, and is the filter as good without deflections? [Adhesion-based control](adhesion_based.md) has their
 # table and figures.
 #
 # ## Guards of the law
 
 # %%
 import printed_stops as stops
+from table1_stops import SCENARIOS
 
 import railgrip as rg
 from railgrip.report.reference import locked_text
-from railgrip.studies.papers.table1 import SCENARIOS
 
 # %% tags=["parameters"]
 quick = False

@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from table1_stops import LIMIT
 
 import railgrip as rg
 from railgrip.base.registry import shelf
@@ -18,7 +19,6 @@ from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.studies.papers.courses import LIMIT
 
 GUARDS = {
     "as searched": {},

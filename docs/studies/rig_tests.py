@@ -11,6 +11,7 @@ import xarray
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 from numpy.typing import NDArray
+from schematics import arrow, canvas, dimension
 from scipy.ndimage import uniform_filter1d
 
 from railgrip.estimation import roller_rig as rig
@@ -31,7 +32,6 @@ from railgrip.report import palette, style
 from railgrip.report.baseline import Finding, extreme, mean
 from railgrip.scenario.load import load
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.studies.papers.pages import arrow, canvas, dimension
 
 PERIOD, NOISE = 5e-3, 5e-5
 """Sampling period [s] and standard deviation of the roller's speed [m/s] of the scenarios."""

@@ -188,7 +188,7 @@ def test_a_campaign_of_the_command_line_runs_on_the_cluster(few, two_workers, tm
     assert len(list((tmp_path / "out").glob("*/stop.json"))) == 6
 
 
-@pytest.mark.parametrize("command", [["campaign", "table1"], ["study", "type_test"], ["study", "papers"]])
+@pytest.mark.parametrize("command", [["campaign", "table1"], ["study", "type_test"], ["study", "estimators"]])
 @pytest.mark.parametrize("address", ["foo", "tcp://foo", "foo:bar", "tcp://:8786"])
 def test_a_text_that_is_not_an_address_is_refused_before_anything_runs(command, address, tmp_path, capfd):
     assert exit_code(*command, "--scheduler", address, "--out", tmp_path / "out") == InputError.exit_code

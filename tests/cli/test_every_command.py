@@ -97,7 +97,6 @@ COMMANDS = {
     "study etcs emu387 --quick": "limits.csv",
     "study k_factors vt642 --quick": "k_factors.json",
     "study pad_monitor --quick": "index.html",
-    "study papers --quick": "index.html",
     "study stop_at_target --draws 1 --sets 0 --write": "errors.csv",
     "study stop_at_target --quick": "errors.csv",
     "study type_test --validation --cases 1 --controller full_brake --limits harness/report/library/limits.toml"
@@ -182,8 +181,7 @@ ELSEWHERE = {
 """Target, command or option → the test that runs it."""
 
 WHOLE = {
-    "--write": ("estimators", "papers"),
-    "--fit": ("papers",),
+    "--write": ("estimators",),
     "--loop": ("estimators",),
 }  # fmt: skip
 """Options of studies that take minutes in any form, and are not run here: they write the numbers of the whole study."""

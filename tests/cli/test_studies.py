@@ -128,7 +128,6 @@ def test_every_study_has_a_quick_form_that_never_writes_into_the_documentation(n
     [
         ("benefit", {"draws": 40, "write": True}, "--write, --draws: "),
         ("type_test", {"count": 24, "case": ["a"]}, "--case, --cases: "),
-        ("papers", {"fit": True}, "--fit: "),
     ],
 )
 def test_a_quick_form_refuses_options_of_the_whole_study(command, name, options, words):

@@ -6,12 +6,12 @@ import casadi as ca
 import numpy as np
 import pytest
 import rumoca
-from maxima_stops import PECLETS, interpolated_rise, mean_rise
+from maxima_stops import PECLETS, RAILS, interpolated_rise, mean_rise
 
 from railgrip.fmus.native import Model, lower
 from railgrip.scenario.surface import Polach
 from railgrip.simulate.contact import compiled_contact
-from railgrip.studies.papers.creep_curves import LOAD, RAILS, curves
+from railgrip.simulate.creep_curves import LOAD, curves
 
 LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
 K, RHO, C_P = 50.0, 7850.0, 450.0

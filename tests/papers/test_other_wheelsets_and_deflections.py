@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 import xarray
 from printed_stops import FILTERS
+from table1_stops import used_by_wheelset
 
 from railgrip.api import Scenario
 from railgrip.simulate.run import run_stop
-from railgrip.studies.papers.courses import used_by_wheelset, used_table
 
 PROJECT = Path(__file__).parents[2]
 
@@ -29,8 +29,6 @@ def test_used_adhesion_is_relative_to_the_peak_of_the_group():
     used = used_by_wheelset(SimpleNamespace(trace=trace), limit=0.10)
     # Group 1 uses the limit 0.10, group 2 its peak 0.06; adhesion halves at 9 s.
     assert np.allclose(used, [[0.5, 0.25, 0.25], [1.0, 0.5, 0.5], [0.5, 0.25, 0.25]])
-    rows = used_table({"a law": used}).texts
-    assert [row["a law"] for row in rows] == ["50 % / 25 % / 25 %", "100 % / 50 % / 50 %", "50 % / 25 % / 25 %"]
 
 
 @pytest.mark.parametrize(("name", "count"), list(zip(FILTERS, (12, 6, 6), strict=True)))

@@ -1,111 +1,20 @@
-"""Schwarz, Posielek and Goetjes (2021) along a stop: the sentences on figure 4, and equations 3, 9 and 12 to 15.
+"""Equations 3, 9 and 12 to 15 of Schwarz, Posielek and Goetjes (2021) along a stop.
 
 Their proof: with σ = ∂α/∂s and V = σ²/2, the law u = L sgn(ṡ α̇) has the sign of σ, so that V falls until adhesion is
 greatest. Slip is s = 1 − rω/v, so that braking harder raises it.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray
-from matplotlib.figure import Figure
-from scipy.ndimage import uniform_filter1d
+from table1_stops import stop_of
 
 from railgrip.base.arrays import Mask, Vector
-from railgrip.report import style
-from railgrip.report.figures import draw_adhesion
 from railgrip.report.stop import Stop
-from railgrip.report.table import ReportTable, share
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.bound import Contact
-from railgrip.trace.measures import longest_lock
 from railgrip.vehicle.brake import Brake
-
-LIMIT = 0.15
-"""Limit of adhesion in the paper, from the TSI."""
-
-COUPLED, LAST_RISE = (9.0, 16.0), 25.0
-"""Times of adhesion below the maximum possible, and of the last rise of friction, from the text of the paper [s]."""
-
-LOCK_SPEED = 2.0
-"""Speed above which no wheelset of the paper's figure locks [m/s]: its adhesion is close to the greatest possible."""
-
-_SMOOTHED = 0.2  # s; slower changes follow the friction of the rail, faster ones are chatter
-
-SPANS: Mapping[str, tuple[float, float]] = {
-    "before 9 s": (0.0, 9.0),
-    "9 to 16 s": (9.0, 16.0),
-    "16 to 25 s": (16.0, 25.0),
-}
-"""Spans that the text of the paper distinguishes [s]."""
-
-
-def course_of_adhesion(stop: Stop) -> dict[str, Any]:
-    """Return measures of a stop's use of the rail's adhesion, by name.
-
-    `duration` [s]. Of wheelset 1: `used`, adhesion over the greatest possible up to the limit, means before, in and
-    after `COUPLED`; `chatter`, rms deviation of adhesion from its mean over 0.2 s, before and after `LAST_RISE`. Of
-    all groups until `LAST_RISE`: `used_groups`, as `used`, and `lowest_group`, the minimum of them. Of all groups:
-    `peak`, the greatest adhesion; `over`, the longest time that one of them has more than `LIMIT` [s]; `lock`, the
-    longest lock of one of them while the train is faster than `LOCK_SPEED` [s].
-    """
-    trace = stop.trace
-    time, adhesion, greatest = trace["time"].values, trace["adhesion"].values[:, 0], trace["peak_adhesion"].values[:, 0]
-    window = round(_SMOOTHED / float(time[1] - time[0]))
-    deviation = adhesion - uniform_filter1d(adhesion, window)
-    used = adhesion / np.minimum(greatest, LIMIT)
-    parts = {"before": time < COUPLED[0], "coupled": (time >= COUPLED[0]) & (time < COUPLED[1])}
-    parts["after"] = (time >= COUPLED[1]) & (time < LAST_RISE)
-    of_groups = trace["group_adhesion"].values
-    shares = of_groups / np.minimum(trace["peak_adhesion"].values, LIMIT)
-    used_groups = shares[time < LAST_RISE].mean(axis=0).tolist()
-    return {
-        "duration": stop.metrics.duration,
-        "used": {name: float(np.mean(used[there])) for name, there in parts.items()},
-        "chatter": [float(np.sqrt(np.mean(deviation[there] ** 2))) for there in (time < LAST_RISE, time >= LAST_RISE)],
-        "used_groups": used_groups,
-        "lowest_group": min(used_groups),
-        "peak": float(of_groups.max()),
-        "over": max(stop.metrics.time_over_alpha_max),
-        "lock": max(longest_lock(trace, above=LOCK_SPEED)),
-    }
-
-
-def wheelset_figure(slip_based: Stop, law: Stop, name: str, limit: float) -> Figure:
-    """Draw adhesion of all wheelsets but the first with SBC and a law."""
-    numbers = range(1, slip_based.trace.sizes["wheelset"])
-    drawing, panels = style.panels(9, 1.7 * len(numbers) + 0.6, len(numbers), 1, sharex=True, sharey=True)
-    for panel, number in zip(panels, numbers, strict=True):
-        draw_adhesion(panel, {"SBC": slip_based.trace, name: law.trace}, limit, wheelset=number)
-        style.dress(panel, y="adhesion", title=f"wheelset {number + 1}")
-        panel.set_ylim(0, 0.24)
-    panels[-1].set_xlabel("time since the brake demand [s]")
-    drawing.legend(
-        *panels[0].get_legend_handles_labels(), fontsize=8, ncols=5, loc="outside upper center", frameon=False
-    )
-    return drawing
-
-
-def used_by_wheelset(stop: Stop, limit: float) -> list[list[float]]:
-    """Return adhesion over the greatest possible up to the limit, means by wheelset and span of `SPANS`."""
-    trace = stop.trace
-    group = trace["group_of_wheelset"].values - 1
-    used = trace["adhesion"].values / np.minimum(trace["peak_adhesion"].values[:, group], limit)
-    time = trace["time"].values
-    means = [np.mean(used[(time >= begin) & (time < end)], axis=0) for begin, end in SPANS.values()]
-    return np.transpose(means).tolist()
-
-
-def used_table(found: Mapping[str, Any]) -> ReportTable:
-    """Return a row for each wheelset and a column for each law; `found` is law → `used_by_wheelset`."""
-    rows = [
-        (f"wheelset {number}", *(" / ".join(f"{100 * share:.0f} %" for share in shares) for shares in of_laws))
-        for number, of_laws in enumerate(zip(*found.values(), strict=True), start=1)
-    ]
-    return ReportTable.of((" / ".join(SPANS), *found), rows)
-
 
 GROUP, WHEELSET = 0, 0
 """The wheelset of figure 4, whose brake is strong enough for the peak; it is coupled with the second one."""
@@ -279,39 +188,22 @@ def offset_of(stop: Stop) -> dict[str, float]:
     return found | {"rate": rate, "loss": float(1 - adhesion.min() / curve.max())}
 
 
-def offset_table(found: Mapping[str, Mapping[str, float]]) -> ReportTable:
-    """Return a row for each law; `found` is law → `offset_of`."""
-    rows = [
-        (law, f"{one['rate']:.2f} 1/s", f"{100 * one['peak']:.3f} %", f"{100 * one['rising']:.3f} %",
-         f"{100 * one['falling']:.3f} %", f"{100 * one['loss']:.4f} %")
-        for law, one in found.items()
-    ]  # fmt: skip
-    columns = ("law", "median rate of slip", "peak at", "equilibrium, slip rises", "slip falls", "adhesion lost")
-    return ReportTable.of(columns, rows)
+def violation_rows(law: str, seed: int) -> list[dict[str, float | str | None]]:
+    """Return the number of judged samples and the share that violates each inequality, by state of the rail."""
+    course = course_of(stop_of(law, seed))
+    states = {"constant": course.resting, "changing": ~course.resting}
+    return [{"friction": word} | violations(course, course.judged & there) for word, there in states.items()]
 
 
-def violations(courses: Mapping[str, LyapunovCourse]) -> dict[str, dict[str, float]]:
-    """Return the number of samples and the share that violates each inequality, by law and state of the rail."""
-    found: dict[str, dict[str, float]] = {}
-    for law, course in courses.items():
-        for word, there in (("constant", course.resting), ("changing", ~course.resting)):
-            judged = course.judged & there
-            column = {"samples": float(np.sum(judged))}
-            for name, holds in inequalities(course).items():
-                column[name] = float("nan") if holds is None or not judged.any() else float(np.mean(~holds[judged]))
-            found[f"{law}, friction {word}"] = column
-    return found
+def violations(course: LyapunovCourse, judged: Mask) -> dict[str, float | None]:
+    """Return the number of samples and the share that violates each inequality, None if the law has no such input."""
+    shares = {
+        name: None if holds is None or not judged.any() else float(np.mean(~holds[judged]))
+        for name, holds in inequalities(course).items()
+    }
+    return {"samples": float(np.sum(judged)), **shares}
 
 
-def violations_table(found: Mapping[str, Mapping[str, float | None]]) -> ReportTable:
-    """Return a row for each inequality, a column for each law and state of the rail."""
-    rows: list[tuple[str, ...]] = []
-    for name in next(iter(found.values())):
-        cells = [column[name] for column in found.values()]
-        rows.append((name, *(f"{cell:.0f}" if name == "samples" and cell else share_or_none(cell) for cell in cells)))
-    return ReportTable.of(("violated in", *found), rows)
-
-
-def share_or_none(value: float | None) -> str:
-    """Return a share as text, or "no such u" without one."""
-    return "no such u" if value is None or np.isnan(value) else share(value)
+def offset_row(law: str, seed: int) -> dict[str, float]:
+    """Return `offset_of` for a stop on the identified trapezoid."""
+    return offset_of(stop_of(law, seed))

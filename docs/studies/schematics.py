@@ -1,0 +1,55 @@
+"""Schematic drawings: block diagrams, and bodies with their forces."""
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from railgrip.report import palette, style
+
+Point = tuple[float, float]
+
+
+def canvas(width: float, height: float) -> tuple[Figure, Axes]:
+    """Return a figure with formulas and without axes, whose coordinates are inches from the lower left corner."""
+    drawing = style.figure(width, height, {"left": 0, "right": 1, "bottom": 0, "top": 1})
+    drawing.has_formulas = True
+    axes = drawing.subplots()
+    axes.set_xlim(0, width)
+    axes.set_ylim(0, height)
+    axes.axis("off")
+    return drawing, axes
+
+
+def box(axes: Axes, corner: Point, size: Point, title: str, lines: str = "", linestyle: str = "-") -> None:
+    """Draw a block with a title in bold over its other lines."""
+    axes.add_patch(Rectangle(corner, *size, fill=False, linestyle=linestyle, linewidth=1.4))
+    x, y = corner[0] + size[0] / 2, corner[1] + size[1] / 2
+    count = lines.count("\n") + 1 if lines else 0
+    axes.text(x, y + 0.09 * count, title, ha="center", va="center", fontsize=10, weight="bold")
+    axes.text(x, y - 0.1, lines, ha="center", va="center", fontsize=8.5, linespacing=1.25)
+
+
+def arrow(
+    axes: Axes,
+    begin: Point,
+    end: Point,
+    label: str = "",
+    at: Point | None = None,
+    color: str = palette.BLACK,
+    ha: str = "center",
+) -> None:
+    """Draw an arrow with a label at a point, in the middle unless given."""
+    axes.annotate(
+        "", end, begin, arrowprops={"arrowstyle": "-|>", "color": color, "lw": 1.3, "shrinkA": 0, "shrinkB": 0}
+    )
+    place = at or ((begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2)
+    axes.text(*place, label, ha=ha, va="center", fontsize=9, color=color)
+
+
+def dimension(axes: Axes, begin: Point, end: Point, label: str, offset: Point) -> None:
+    """Draw a dimension between two points; its label is shifted from the middle."""
+    axes.annotate(
+        "", end, begin, arrowprops={"arrowstyle": "<->", "color": palette.GREY, "lw": 0.9, "shrinkA": 0, "shrinkB": 0}
+    )
+    x, y = (begin[0] + end[0]) / 2 + offset[0], (begin[1] + end[1]) / 2 + offset[1]
+    axes.text(x, y, label, ha="center", va="center", fontsize=9, color=palette.GREY)
