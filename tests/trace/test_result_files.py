@@ -214,8 +214,8 @@ def test_a_stop_that_lacks_a_signal_is_drawn_or_refused(tmp_path):
     scenario = load(LIBRARY / "trapezoid.toml", ["controller.kind=adhesion_based", "limits.horizon=1 s"])
     write_stop(run_stop(scenario), tmp_path)
     record = read_stop(tmp_path)
-    trace = record.trace
-    require_stop(tmp_path / "trace.nc", trace, groups=trace.sizes["group"])
+    require_stop(tmp_path / "trace.nc", record.trace, groups=record.trace.sizes["group"])
+    trace = record.trace.isel(group=[0], wheelset=[0])  # each group adds a column of panels to all figures
     drawn = 0
     for name in map(str, trace.data_vars):
         less = trace.drop_vars(name)
