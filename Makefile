@@ -133,7 +133,7 @@ regress-long: $(READY)  ## the same for a train whose FMU takes minutes to build
 	$(PROGRAM) maintain regress --baselines $(BASELINES) --out build/regress-long
 
 mutants: $(DEV) fmus  ## count the small defects that the regression notices, docs/regression.md (half an hour)
-	$(RUN) tools/mutants.py --first --write $(OPTIONS)
+	$(RUN) tools mutants --first --write $(OPTIONS)
 
 accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
 	$(PROGRAM) maintain accept --baselines $(BASELINES) --reason '$(REASON)'
@@ -176,7 +176,7 @@ rest: $(DEV) fmus
 	$(RUN) -m pytest $(XDIST) --floor rest $(TESTS)
 
 floors: $(DEV)  ## measure what each test runs, and choose those that decide, tests/left_out.toml (an hour)
-	$(RUN) tools/floors.py $(OPTIONS) $(TESTS)
+	$(RUN) tools floors $(OPTIONS) $(TESTS)
 
 PORTABLE := tests/test_portability.py tests/test_containers.py tests/test_units.py tests/scenario tests/docs/test_code_blocks.py \
             tests/estimate/test_text_formats.py tests/estimate/test_inspection.py tests/estimate/test_specification.py \
@@ -207,7 +207,7 @@ fuzz: $(DEV)  ## wrong questions by the thousand, and all cases of which the tes
 
 suites: $(DEV)  ## run a copy of a Modelica test suite: make suites SUITE=/path KIND=compliance|omc|reference [OPTIONS=…]
 	@test -n "$(SUITE)" || { echo "suites needs SUITE=/path of a copy of the suite, and KIND=compliance, omc or reference"; exit 2; }
-	$(RUN) tools/suites.py $(KIND) $(SUITE) $(OPTIONS)
+	$(RUN) tools suites $(KIND) $(SUITE) $(OPTIONS)
 
 TYPED := build/typed/railgrip
 

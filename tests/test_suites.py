@@ -45,7 +45,8 @@ def library(tmp_path: Path) -> Path:
 
 def run(out: Path, *arguments: object) -> dict[str, dict[str, str]]:
     # In a process of its own: the threads of the front end, which other tests start, do not survive a fork.
-    subprocess.run([sys.executable, suites.__file__, *map(str, arguments), "--out", str(out)], check=True)
+    command = [sys.executable, "-c", "import suites, typer; typer.run(suites.suites)", *map(str, arguments)]
+    subprocess.run([*command, "--out", str(out)], cwd=Path(suites.__file__).parent, check=True)
     with out.open(encoding="utf-8", newline="") as stream:
         return {row["class"].rpartition(".")[2]: row for row in csv.DictReader(stream)}
 

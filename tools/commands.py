@@ -1,4 +1,4 @@
-"""Commands of the Makefile alone: repeat stops, write accepted distances, fit levels, survey FMUs, execute pages.
+"""Commands of the Makefile alone: repeat stops, write distances, fit levels, survey FMUs, execute pages, judge tests.
 
 `python tools conditioning FILE.toml`, from the folder of the project; the package contains none of these.
 """
@@ -15,10 +15,13 @@ from calibration import SBC
 from calibration import calibrate as fit_levels
 from compilers import compare
 from conditioning import Refinement, campaign_of, conditioning_of, merged, repeats_of, with_refinement
+from floors import floors
 from fmu_survey import survey, survey_table
 from installed_sizes import sizes_table
+from mutants import mutants
 from study_pages import execute
 from study_pages import pages as all_pages
+from suites import suites
 from validation import (
     BASELINE,
     CONVERGENCE,
@@ -360,7 +363,9 @@ def pages(
 
 tools = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 tools.callback()(program)
-for each in (conditioning, discretisation, validation, calibrate, tune, fmus, sizes, compilers, pages):
+for each in (
+    conditioning, discretisation, validation, calibrate, tune, fmus, sizes, compilers, pages, floors, mutants, suites
+):  # fmt: skip
     tools.command()(each)
 
 

@@ -1,14 +1,10 @@
 """Divide the tests in two floors: the cheapest that run every line and branch that all of them run, and the rest.
 
-    python tools/floors.py              measure all tests (an hour of processor time) and write tests/left_out.toml
-    python tools/floors.py tests/etcs   measure these again, and write the file from all that were ever measured
-
-`make test` runs all tests but those in the file, which `make test-all` runs. So a new test decides until it has been
-measured, and so do the tests that notice mutants (tools/mutants.py) together with the regression.
+`make test` runs all tests but those in tests/left_out.toml, which `make test-all` runs. So a new test decides until it
+has been measured, and so do the tests that notice mutants (tools/mutants.py) together with the regression.
 What `make test` runs besides tests, the FMUs of the recipes and the regression, needs no test to run it again.
 """
 
-import argparse
 import ast
 import heapq
 import json
@@ -19,14 +15,17 @@ import subprocess
 import sys
 import tomllib
 from collections import defaultdict
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from functools import cache
 from itertools import groupby
 from pathlib import Path
+from typing import Annotated
 
-import coverage
-import pytest
+import typer
+
+from railgrip.base.files import write_text
+from railgrip.report.console import say
 
 ROOT = Path(__file__).parents[1]
 PLACE = ROOT / "build/coverage"
@@ -49,23 +48,6 @@ source = {",".join(str(ROOT / package) for package in PACKAGES)}
 """
 
 
-@pytest.hookimpl(wrapper=True, tryfirst=True)
-def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, bool, bool]:
-    """Measure a test, and the processes that it starts, under its name; pytest loads this module as a plugin."""
-    measured = coverage.Coverage.current()
-    assert measured is not None, "started with the process"
-    os.environ["COVERAGE_TEST"] = item.nodeid
-    measured.switch_context(item.nodeid)
-    before = sum(os.times()[:4])
-    try:
-        return (yield)
-    finally:
-        with Path(os.environ["COVERAGE_PLACE"], "seconds.jsonl").open("a", encoding="utf-8") as file:
-            file.write(json.dumps([item.nodeid, sum(os.times()[:4]) - before]) + "\n")
-        os.environ["COVERAGE_TEST"] = ""
-        measured.switch_context("")
-
-
 def measure(name: str, command: Sequence[str], test: str = "") -> None:
     """Run Python with arguments; keep what it runs in a folder of this name instead of an earlier measurement."""
     folder = PLACE / name.replace("/", "-")
@@ -74,7 +56,7 @@ def measure(name: str, command: Sequence[str], test: str = "") -> None:
         file.unlink()
     settings = PLACE / "settings"
     settings.write_text(SETTINGS, encoding="utf-8")
-    print(f"measuring {name}", flush=True)
+    say(f"measuring {name}")
     subprocess.run(
         [sys.executable, *command], cwd=ROOT, check=False,
         env=os.environ | {"COVERAGE_PROCESS_START": str(settings), "COVERAGE_PLACE": str(folder), "COVERAGE_TEST": test,
@@ -94,7 +76,7 @@ def measure_all(files: Sequence[Path], *, regression: bool) -> None:
         names = [str(file.relative_to(ROOT)) for file in group]
         whole = len(names) == len([*folder.glob("test_*.py")])
         name = str(folder.relative_to(ROOT)) if whole else names[0]
-        measure(name, ["-m", "pytest", "-n0", "-q", "-p", "floors", "-p", "no:cacheprovider", *names])
+        measure(name, ["-m", "pytest", "-n0", "-q", "-p", "measured_tests", "-p", "no:cacheprovider", *names])
 
 
 def lines_in_functions(path: str) -> set[int]:
@@ -209,12 +191,9 @@ def choose(seconds: dict[str, float], ran: dict[str, int]) -> tuple[set[str], se
             others |= has[other] if other != unit else 0
         if not has[unit] & ~others and not required(unit):
             del kept[unit]
-    print(
-        f"{covered.bit_count()} lines and branches, of which the regression runs {ran.get(REGRESSION, 0).bit_count()}"
-    )
-    print(
-        f"{len(kept)} of {len(cost)} tests decide: {sum(cost[one] for one in kept):.0f} of {sum(cost.values()):.0f} s"
-    )
+    by_regression = ran.get(REGRESSION, 0).bit_count()
+    say(f"{covered.bit_count()} lines and branches, of which the regression runs {by_regression}")
+    say(f"{len(kept)} of {len(cost)} tests decide: {sum(cost[one] for one in kept):.0f} of {sum(cost.values()):.0f} s")
     return set(kept), set(cost)
 
 
@@ -227,19 +206,16 @@ def text_of(left_out: set[str]) -> Iterator[str]:
         yield "]"
 
 
-def main() -> None:
-    """Measure, choose and write."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("paths", nargs="*", type=Path, help="folders or files of tests; all unless given")
-    parser.add_argument("--out", type=Path, default=FILE)
-    options = parser.parse_args()
-    paths = [path.resolve() for path in options.paths] or [ROOT / "tests"]
-    files = sorted(file for path in paths for file in ([path] if path.is_file() else path.rglob("test_*.py")))
-    measure_all(files, regression=not options.paths)
+def floors(
+    paths: Annotated[list[Path] | None, typer.Argument(help="Folders or files of tests; all unless given.")] = None,
+    out: Annotated[Path, typer.Option(help="File of the tests that are left out.")] = FILE,
+) -> None:
+    """Measure what tests run, and choose those that decide.
+
+    With paths only these are measured again, and the file is written from all that were ever measured.
+    """
+    places = [path.resolve() for path in paths or [ROOT / "tests"]]
+    files = sorted(file for path in places for file in ([path] if path.is_file() else path.rglob("test_*.py")))
+    measure_all(files, regression=not paths)
     kept, all_ = choose(*read(PLACE))
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.write_text("\n".join(text_of(all_ - kept)) + "\n", encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()
+    write_text(out, "\n".join(text_of(all_ - kept)) + "\n")

@@ -1,7 +1,5 @@
 """Count the small defects that the accepted numbers of table 1 notice: one change at a time, then its regression.
 
-    python tools/mutants.py --stops 'sine_sweep-*'
-
 Each mutant is a row of mutants.toml: a file, its old text, the new text, and the meaning. It changes a copy of the
 sources in build/mutants, never the sources. A constant of the plant is changed as a parameter in the files of
 equipment: the same FMU with another value, which saves its compilation. The formation follows, and with it the values
@@ -14,7 +12,6 @@ creep curve than its scenario is refused.
 Copies stay in build/mutants, and stops of the same sources are not run again.
 """
 
-import argparse
 import json
 import os
 import re
@@ -29,14 +26,16 @@ from fnmatch import fnmatch
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-import pytest
+import typer
 
 import railgrip
-from railgrip.base.errors import FmuError
+from railgrip.base.errors import FmuError, InputError
 from railgrip.campaign.run import find_result, run, write_description
+from railgrip.cli.app import Workers
 from railgrip.report.baseline import compare, findings_of, load_baseline
+from railgrip.report.console import say
 from railgrip.report.results import read_results
 from railgrip.report.table import ReportTable, write_tables
 from railgrip.scenario.campaign import load_campaign
@@ -131,20 +130,21 @@ def noticed(mutant: Mutant | None, stops: str, *, only_first: bool = False) -> d
     for edit in mutant.edits if mutant else ():
         edit.apply(place / "sources")
     environment = _environment(place)
-    command = [sys.executable, __file__, "--stops", stops, "--child", str(place), *(["--first"] if only_first else [])]
+    code = "import json, mutants; print(json.dumps(mutants.regression(mutants.Path({!r}), {!r}, only_first={!r})))"
+    command = [sys.executable, "-c", code.format(str(place), stops, only_first)]
     done = subprocess.run(
         command, env=environment, capture_output=True, text=True, encoding="utf-8", cwd=place / "sources", check=False
     )
     if done.returncode:
         # A copy that does not run yields no verdict on the baselines: the row is wrong.
-        raise SystemExit(f"{name}: {done.stderr[-2000:]}")
+        raise InputError(f"{name}: {done.stderr[-2000:]}")
     return json.loads(done.stdout.splitlines()[-1])
 
 
 def _environment(place: Path) -> dict[str, str]:
     """Return the environment of a process that imports a copy; it does not use the user's cache for FMUs."""
     # The tests that are copied import modules in the folder `tests`.
-    modules = os.pathsep.join([str(place / "sources"), str(ROOT / "tests")])
+    modules = os.pathsep.join(map(str, (place / "sources", ROOT / "tests", ROOT / "tools")))
     return os.environ | {"PYTHONPATH": modules, "RAILGRIP_CACHE": str(PLACE / "cache")}
 
 
@@ -207,10 +207,10 @@ def regression(place: Path, stops: str, *, only_first: bool) -> dict[str, str]:
 def moved_responses() -> dict[str, str]:
     """Return the open-loop responses of control laws that differ from the accepted ones."""
     sys.path.insert(0, str(ROOT / "tests/controllers"))
-    responses = import_module("test_law_responses")
+    responses, approx = import_module("test_law_responses"), import_module("pytest").approx
     accepted = json.loads(responses.ACCEPTED.read_text(encoding="utf-8"))
     present = {name: responses.response(*law) for name, law in responses.LAWS.items()}
-    return {name: "moved" for name, values in accepted.items() if present.get(name) != pytest.approx(values, rel=1e-6)}
+    return {name: "moved" for name, values in accepted.items() if present.get(name) != approx(values, rel=1e-6)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,32 +269,22 @@ def write_page(results: Sequence[Result]) -> None:
     )
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run all mutants, or those whose meaning matches, and print which rows noticed each."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--stops", default="*", help="patterns of names of stops, separated by commas")
-    parser.add_argument("--only", default="", help="run only mutants whose meaning contains this")
-    parser.add_argument("--first", action="store_true", help="end each mutant with the first stop that notices it")
-    parser.add_argument("--write", action="store_true", help="write the tables of docs/regression.md")
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--child", type=Path, help=argparse.SUPPRESS)
-    options = parser.parse_args(arguments)
-    if options.child:
-        print(json.dumps(regression(options.child, options.stops, only_first=options.first)))
-        return
-    baseline_states = noticed(None, options.stops)
-    if baseline_states:
-        raise SystemExit(f"without any mutant the regression says {baseline_states}: accept or correct that first")
-    chosen = [mutant for mutant in rows(DATA) if options.only in mutant.meaning]
+def mutants(
+    stops: Annotated[str, typer.Option(metavar="PATTERNS", help="Patterns of names of stops, with commas.")] = "*",
+    only: Annotated[str, typer.Option(help="Only mutants whose meaning contains this.")] = "",
+    first: Annotated[bool, typer.Option("--first", help="End a mutant with the first stop that notices it.")] = False,
+    write: Annotated[bool, typer.Option("--write", help="Write the tables of docs/regression.md.")] = False,
+    workers: Workers = 2,
+) -> None:
+    """Count the small defects that the regression notices."""
+    if states := noticed(None, stops):
+        raise InputError(f"without any mutant the regression says {states}: accept or correct that first")
+    chosen = [mutant for mutant in rows(DATA) if only in mutant.meaning]
     results: list[Result] = []
-    with ThreadPoolExecutor(options.workers) as pool:
-        for result in pool.map(partial(result_of, stops=options.stops, only_first=options.first), chosen):
+    with ThreadPoolExecutor(workers) as pool:
+        for result in pool.map(partial(result_of, stops=stops, only_first=first), chosen):
             results.append(result)
-            print(result, flush=True)
-    print(f"{sum(bool(result.moved) for result in results)} of {len(results)} mutants were noticed")
-    if options.write:
+            say(str(result))
+    say(f"{sum(bool(result.moved) for result in results)} of {len(results)} mutants were noticed")
+    if write:
         write_page(results)
-
-
-if __name__ == "__main__":
-    main()

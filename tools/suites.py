@@ -1,4 +1,4 @@
-"""Other people's Modelica test suites, built and simulated with the built-in compiler; `make suites` runs this script.
+"""Other people's Modelica test suites, built and simulated with the built-in compiler.
 
 The suites are not part of this project; the user has a copy of them:
 
@@ -26,7 +26,6 @@ checks nothing. If the class with warnings does not run, each assertion is inver
 The line of the class ends with the number of assertions, and of those that check nothing.
 """
 
-import argparse
 import contextlib
 import csv
 import itertools
@@ -37,25 +36,27 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Annotated, Literal
 
 import fmpy
 import fmpy.fmi1
 import fmpy.fmi2
 import numpy as np
+import typer
 
-from railgrip.base.errors import InputError, RailgripError
-from railgrip.fmus.build import translate
+from railgrip.base.errors import InputError
+from railgrip.fmus.build import Compiler, translate
 from railgrip.fmus.native import package
 from railgrip.fmus.native.library import library_of, name_of
 from railgrip.fmus.openmodelica import errors
 from railgrip.fmus.recipe import Recipe
+from railgrip.report.console import say
 
 SECONDS = 60.0
 """Time limit of one class [s]; the slowest right class takes a tenth of it."""
@@ -253,7 +254,7 @@ JUDGES = {"native": judge, "openmodelica": translated}
 """Compiler → function that returns its verdict on a case; it may write into a folder."""
 
 
-def judge_apart(case: SuiteCase, seconds: float, compiler: str = "native") -> Verdict:
+def judge_apart(case: SuiteCase, seconds: float, compiler: Compiler = "native") -> Verdict:
     """Judge a class in a copy of this process, which has all packages in memory, with a time limit."""
     context = multiprocessing.get_context("fork")
     receiver, sender = context.Pipe(duplex=False)
@@ -477,47 +478,39 @@ def table(rows: Iterable[tuple[SuiteCase, Verdict]]) -> str:
     return "\n".join(lines)
 
 
-def main() -> None:
-    """Run a suite; print its table and write a CSV file."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("kind", choices=("compliance", "omc", "reference"))
-    parser.add_argument("suite", type=Path, help="folder of the suite; for reference, of its results")
-    parser.add_argument("--library", type=Path, action="append", default=[], help="for reference: the libraries")
-    parser.add_argument("--only", default="", help="regular expression for the names of classes")
-    parser.add_argument("--seconds", type=float, default=SECONDS, help="time limit of a class")
-    parser.add_argument("--compiler", choices=JUDGES, default="native", help="the built-in one, or OpenModelica's")
-    parser.add_argument("--control", action="store_true", help="invert the assertions of right classes")
-    parser.add_argument("--out", type=Path, help="CSV file; build/suites/KIND-COMPILER.csv unless given")
-    given = parser.parse_args()
-    out = given.out or Path("build/suites", f"{given.kind}-{given.compiler}.csv")
+def suites(
+    kind: Annotated[Literal["compliance", "omc", "reference"], typer.Argument(help="Kind of the suite.")],
+    suite: Annotated[Path, typer.Argument(help="Folder of the suite; for reference, of its results.")],
+    library: Annotated[list[Path] | None, typer.Option(help="For reference: a library; repeatable.")] = None,
+    only: Annotated[str, typer.Option(help="Regular expression for the names of classes.")] = "",
+    seconds: Annotated[float, typer.Option(help="Time limit of a class.")] = SECONDS,
+    compiler: Annotated[Compiler, typer.Option(help="The built-in one, or OpenModelica's.")] = "native",
+    control: Annotated[bool, typer.Option("--control", help="Invert the assertions of right classes.")] = False,
+    out: Annotated[Path | None, typer.Option(help="CSV file.", show_default="build/suites/KIND-COMPILER.csv")] = None,
+) -> None:
+    """Build and simulate the classes of a copy of a Modelica test suite."""
+    out = out or Path("build/suites", f"{kind}-{compiler}.csv")
     out.parent.mkdir(parents=True, exist_ok=True)
     rows: list[tuple[SuiteCase, Verdict]] = []
     with tempfile.TemporaryDirectory() as scratch, out.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(["class", "legal", "verdict", "seconds", "detail"])
         cases = {
-            "compliance": lambda: compliance(given.suite, Path(scratch), given.only),
-            "omc": lambda: omc(given.suite),
-            "reference": lambda: reference(given.library, given.suite, given.only),
-        }[given.kind]()
+            "compliance": lambda: compliance(suite, Path(scratch), only),
+            "omc": lambda: omc(suite),
+            "reference": lambda: reference(library or [], suite, only),
+        }[kind]()
         for case in cases:
-            if not re.search(given.only, case.class_name):
+            if not re.search(only, case.class_name):
                 continue
             began = time.perf_counter()
-            outcome = judge_apart(case, given.seconds, given.compiler)
-            if given.control and case.legal and outcome.verdict == "right" and given.kind == "compliance":
-                outcome = replace(outcome, detail=unchecked(case, given.seconds))
+            outcome = judge_apart(case, seconds, compiler)
+            if control and case.legal and outcome.verdict == "right" and kind == "compliance":
+                outcome = replace(outcome, detail=unchecked(case, seconds))
             rows.append((case, outcome))
-            seconds = f"{time.perf_counter() - began:.1f}"
-            writer.writerow([case.class_name, case.legal, outcome.verdict, seconds, outcome.detail])
+            took = f"{time.perf_counter() - began:.1f}"
+            writer.writerow([case.class_name, case.legal, outcome.verdict, took, outcome.detail])
             stream.flush()
     if not rows:
-        raise SystemExit(f"{given.suite}: no class of the kind {given.kind} was found")
-    print(table(rows))
-
-
-if __name__ == "__main__":
-    try:
-        main()
-    except RailgripError as error:
-        sys.exit(str(error))
+        raise InputError(f"{suite}: no class of the kind {kind} was found")
+    say(table(rows))

@@ -145,7 +145,8 @@ MAKE = {
     "conditioning-omc OPTIONS='--workers 1'": "conditioning-omc needs OpenModelica's omc on the PATH",
     "test-omc TESTS=tests/test_units.py": "test-omc needs OpenModelica's omc on the PATH",
     "regress-omc BASELINES=small": "regress-omc needs OpenModelica's omc on the PATH",
-    "suites SUITE=suite KIND=compliance OPTIONS='--only Right'": "1 right",
+    "suites SUITE=suite KIND=compliance OPTIONS='--only Right --seconds 60 --control --compiler native --out s.csv'":
+        "s.csv",
     "clean": "rm -rf build",
 }  # fmt: skip
 """Arguments of make → a file that it writes, or a text that it prints; without OpenModelica, so that all can run it."""
@@ -170,6 +171,7 @@ ELSEWHERE = {
     "maintain regress --across-compilers": "cli/test_regression.py",
     "tools conditioning --import-from": "test_own_classes.py",
     "tools compilers --write": "test_suites.py",
+    "tools suites --library": "test_suites.py",
     "tools validation --openmodelica": "report/test_baselines.py",
     "study etcs --line": "etcs/test_etcs_command.py",
     "study etcs --national": "etcs/test_etcs_command.py",
