@@ -101,6 +101,7 @@ def test_only_missing_stops_are_run(results, tmp_path):
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_shipped_stops_are_judged_and_not_written_as_those_of_the_present_release(tmp_path, monkeypatch):
     (tmp_path / "docs").mkdir()
     page = tmp_path / "docs/type_test.md"
@@ -113,6 +114,7 @@ def test_shipped_stops_are_judged_and_not_written_as_those_of_the_present_releas
     assert "24 cases of the test set" in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_redistribution_shortens_a_service_brake_on_a_rail_cleaned_by_wheels(tmp_path, capsys):
     """At half of full brake adhesion is unused behind the first groups; the same cases with and without."""
     pair = ["slip_three_state", str(EXAMPLES / "slip_three_state_redistributed.toml")]
