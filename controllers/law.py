@@ -4,12 +4,14 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from math import isfinite
+from numbers import Real
 from pathlib import Path
+from sys import float_info
 from typing import Annotated, ClassVar
 
 from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem
+from railgrip.base.units import short
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.parameters import SEARCHED, Parameters, SlipSource, file_of, tuned_values
 from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, choose, within
@@ -44,10 +46,11 @@ class Tuning(Parameters):
         """
         for name, (unit, *_) in self.meanings().items():
             value = getattr(self, name)
-            if not (isfinite(value) and value >= 0.0) or (name in self.POSITIVE and value == 0.0):
+            is_valid = isinstance(value, Real) and 0.0 <= value <= float_info.max
+            if not is_valid or (name in self.POSITIVE and value == 0.0):
                 kind = "positive" if name in self.POSITIVE else "not negative"
                 raise ValueError(
-                    f"{self.LAW or type(self).__name__}: {name} must be finite and {kind}, got {value} {unit}."
+                    f"{self.LAW or type(self).__name__}: {name} must be finite and {kind}, got {short(value)} {unit}."
                 )
 
     @classmethod

@@ -24,9 +24,16 @@ class Parameters:
     @classmethod
     @cache
     def meanings(cls) -> Mapping[str, tuple[Any, ...]]:
-        """Return the unit, the meaning and, if there is one, the largest value of each parameter, by name."""
+        """Return the unit, the meaning and, if there is one, the largest value of each parameter, by name.
+
+        Raises:
+            TypeError: The type of a field has no unit and meaning.
+        """
         types = get_type_hints(cls, include_extras=True)
-        return {field.name: types[field.name].__metadata__ for field in fields(cls)}
+        notes = {field.name: getattr(types[field.name], "__metadata__", ()) for field in fields(cls)}
+        if bare := [name for name, note in notes.items() if len(note) < 2]:
+            raise TypeError(f"{cls.__name__}: {', '.join(bare)}: write Annotated[float, 'unit', 'meaning'] as the type")
+        return notes
 
     @classmethod
     def declare(cls, draft: FormulaBuilder) -> dict[str, Expression]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem, Variable
+from railgrip.base.units import short
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import Signal, names_of
 
@@ -66,23 +67,29 @@ class FormulaBuilder:
 
     def keep(self, state: Expression, value: Expression) -> None:
         """Set the value of a state after the call."""
-        self._following[state.name()] = value
+        self._following[state.name()] = _require_scalar(f"the next value of {state.name()}", value)
 
     def output(
         self, name: str, unit: str, description: str, value: Expression, within: tuple[float, float] | None = None
     ) -> None:
         """Add an output with its value; `within` declares its limits, but does not apply them."""
         low, high = within or (None, None)
-        self._add("output", Variable(name=name, unit=unit, description=description, minimum=low, maximum=high), value)
+        self._add(
+            "output",
+            Variable(name=name, unit=unit, description=description, minimum=low, maximum=high),
+            _require_scalar(name, value),
+        )
 
     def formula(self, name: str, description: str) -> SampledSystem:
         """Return the complete formula.
 
         Raises:
-            KeyError: `keep` was not called for a state.
+            ValueError: `keep` was not called for a state.
         """
         variables, expressions = self._variables, self._expressions
         arguments = [ca.vertcat(*expressions[kind]) for kind in ("state", "input", "parameter")]
+        if forgotten := [each.name for each in variables["state"] if each.name not in self._following]:
+            raise ValueError(f"`keep` gives no next value of {', '.join(forgotten)}")
         following = [self._following[variable.name] for variable in variables["state"]]
         results = [ca.densify(ca.vertcat(*each)) for each in (following, expressions["output"])]
         return SampledSystem(
@@ -99,9 +106,22 @@ class FormulaBuilder:
         return self._add(kind, variable, ca.SX.sym(variable.name))
 
     def _add(self, kind: str, variable: Variable, expression: Expression) -> Expression:
+        if any(variable.name == other.name for other in self._variables[kind]):
+            raise ValueError(
+                f"the {kind} '{variable.name}' is declared twice; `group.label` makes a name for each group"
+            )
         self._variables[kind].append(variable)
         self._expressions[kind].append(expression)
         return expression
+
+
+def _require_scalar(name: str, value: Expression) -> Expression:
+    try:
+        if ca.SX(value).is_scalar():
+            return value
+    except NotImplementedError:
+        pass
+    raise TypeError(f"{name} is {short(value)}, but one number or scalar expression is expected")
 
 
 def choose(condition: Expression, this: Expression, otherwise: Expression) -> Expression:

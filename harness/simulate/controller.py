@@ -385,6 +385,11 @@ def _own_law(vehicle: VehicleData, own: FormulaLaw) -> Law:
     scenario, brakes, name = vehicle.scenario, vehicle.nominal.formation.brakes, own.kind.__name__
 
     def failed(problem: str) -> ScenarioError:
+        if "truth value" in problem:
+            problem = (
+                "Python's if, and, or, not, max, min and a < b < c require a value, and a symbol has none; use choose, "
+                "every, either, casadi.logic_not, casadi.fmax and casadi.fmin"
+            )
         return ScenarioError(f"{scenario.name}: [controller] {name} does not give a formula: {problem}")
 
     magnitudes = dict[str, Magnitude]()

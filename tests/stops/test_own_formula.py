@@ -4,6 +4,7 @@ import sys
 from dataclasses import dataclass
 from typing import Annotated
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -68,6 +69,20 @@ def law(demand, **attributes):
     return type("Own", (GroupLaw,), body | attributes)
 
 
+def remember(draft, name):
+    state = draft.state(name, "s", "")
+    draft.keep(state, state)
+    return state
+
+
+def tuning(kind, value):
+    return dataclass(frozen=True)(type("Own", (Tuning,), {"__annotations__": {"level": kind}, "level": value}))
+
+
+def full_if(condition, group):
+    return choose(condition, group.brake["pressure_max"], 0.0)
+
+
 def test_a_formula_stops_as_the_same_law_in_python_and_its_parameters_have_units(scenario, tmp_path):
     named, trapezoid = scenario(), rg.Scenario.load("trapezoid")
     with assemble(named, objects=CustomParts(folders=(tmp_path,))) as opened:
@@ -83,7 +98,7 @@ def test_a_sweep_changes_the_parameters_of_a_formula():
         threshold: Annotated[float, "1", "slip above which a group is vented"] = 0.15
 
     vented = law(
-        lambda _, tuning, group: choose(group.slip < tuning["threshold"], group.brake["pressure_max"], 0.0),
+        lambda _, tuning, group: full_if(group.slip < tuning["threshold"], group),
         brake_data=FULL_PRESSURE,
         tuning=Level,
     )
@@ -111,47 +126,40 @@ def test_demands_are_limited_to_the_brake_and_a_missing_slip_brakes_fully(scenar
     assert np.isfinite(demands).all()
 
 
-@pytest.mark.parametrize(
-    ("own", "sentence"),
-    [
-        (law(lambda _, __, group: group.slip * float("nan")), "Own demands .*nan.* Pa in a short run, at slips of"),
-        (law(lambda _, __, group: -1.0 + 0.0 * group.slip), "expected are 0 to"),
-        (law(lambda _, __, group: group.speed_of_sound), "does not give a formula: .*has no 'speed_of_sound'"),
-        (law(lambda _, tuning, __: tuning["low"]), "does not give a formula: .*'low'"),
-        (law(lambda _, __, group: group.brake["pressure_max"], tuning=None), "does not give a formula: .*'units'"),
-        (law(lambda _, __, group: group.adhesion * 1e6, needs=("adhesion",)), "needs estimates of adhesion"),
-        (law(lambda _, __, group: group.slip, needs=("speed_of_sound",)), "`needs` is .*expected are names of"),
-        (law(lambda _, __, group: group.slip, needs=3), "`needs` is 3"),
-        (law(lambda _, __, group: group.slip, exceeds_driver=True), "have an effect only in laws of railgrip"),
-        (law(lambda _, __, group: group.slip, valve_band=1e4), "leave them out"),
-        (
-            law(lambda _, __, group: choose(group.train[0].slip < 0.1, 1.0, 0.0) * group.brake["pressure_max"]),
-            None,
-        ),
-        (
-            law(
-                lambda _, __, group: (
-                    choose(group.train[-group.index].slip < 0.1, 1.0, 0.0) * group.brake["pressure_max"]
-                )
-            ),
-            "lowers the pressure of group 4 while the wheels of group 1 slide",
-        ),
-    ],
-    ids=[
-        "nan",
-        "negative",
-        "signal",
-        "parameter",
-        "tuning",
-        "needs",
-        "unknown",
-        "number",
-        "driver",
-        "valves",
-        "train",
-        "order",
-    ],
-)
+SLIP = law(lambda _, __, group: group.slip)
+NOTED = Annotated[float, "1", ""]
+REFUSED = {
+    "nan": (law(lambda _, __, group: group.slip * float("nan")), "Own demands .*nan.* Pa in a short run, at slips of"),
+    "negative": (law(lambda _, __, group: -1.0 + 0.0 * group.slip), "expected are 0 to"),
+    "signal": (law(lambda _, __, group: group.speed_of_sound), "does not give a formula: .*has no 'speed_of_sound'"),
+    "parameter": (law(lambda _, tuning, __: tuning["low"]), "does not give a formula: .*'low'"),
+    "tuning": (type("Own", (SLIP,), {"tuning": None}), "does not give a formula: .*'units'"),
+    "needs": (law(lambda _, __, group: group.adhesion, needs=("adhesion",)), "needs estimates of adhesion"),
+    "unknown": (type("Own", (SLIP,), {"needs": ("speed_of_sound",)}), "`needs` is .*expected are names of"),
+    "number": (type("Own", (SLIP,), {"needs": 3}), "`needs` is 3"),
+    "chain": (law(lambda _, __, group: full_if(0 < group.slip < 1, group)), "formula: Python's if, and, .* use choose"),
+    "max": (law(lambda _, __, group: max(0.0, group.slip)), "Python's if, and, .* casadi.fmax"),
+    "none": (law(lambda *_: None), r"demand\[1\] is None, but one number"),
+    "vector": (law(lambda _, __, group: ca.vertcat(group.slip, 0)), r"demand\[1\] is SX\(.* but one number"),
+    "twice": (law(lambda draft, *_: remember(draft, "time")), "the state 'time' is declared twice; `group.label`"),
+    "forgotten": (
+        law(lambda draft, _, group: draft.state(group.label("t"), "s", "")),
+        r"no next value of t\[1\], t\[2\]",
+    ),
+    "annotation": (law(lambda *_: 0.0, tuning=tuning(float, 1.0)), r"Own: level: write Annotated\[float"),
+    "text": (law(lambda *_: 0.0, tuning=tuning(NOTED, "high")), "Own: level must be finite .*, got 'high' 1"),
+    "huge": (law(lambda *_: 0.0, tuning=tuning(NOTED, 10**400)), "level must be finite"),
+    "driver": (type("Own", (SLIP,), {"exceeds_driver": True}), "have an effect only in laws of railgrip"),
+    "valves": (type("Own", (SLIP,), {"valve_band": 1e4}), "leave them out"),
+    "train": (law(lambda _, __, group: full_if(group.train[0].slip < 0.1, group)), None),
+    "order": (
+        law(lambda _, __, group: full_if(group.train[-group.index].slip < 0.1, group)),
+        "lowers the pressure of group 4 while the wheels of group 1 slide",
+    ),
+}
+
+
+@pytest.mark.parametrize(("own", "sentence"), REFUSED.values(), ids=REFUSED)
 def test_a_formula_that_cannot_brake_is_refused(own, sentence):
     scenario = rg.Scenario.load("trapezoid", {"estimator": {"kind": "none"}})
     if sentence is None:
