@@ -272,10 +272,26 @@ def _struct(name: str, variables: Sequence[Variable]) -> str:
 def _fields(variables: Sequence[Variable]) -> Iterator[str]:
     if not variables:
         yield "    double none; /* C has no empty structs */"
+    taken = {*_KEYWORDS.split()}
     for name, elements in gather((ElementName.of(each.name).array, each) for each in variables).items():
         first = elements[0]
         size = f"[{len(elements)}]" if first.name.endswith("]") else ""
-        yield f"    double {c_identifier(name)}{size}; /* {first.unit or '1'}: {first.description} */"
+        member = c_identifier(name)
+        member = member.lower() if member.isupper() else member  # macros of headers are in capitals
+        while member in taken:
+            member += "_"
+        taken.add(member)
+        comment = f"{first.unit or '1'}: {first.description}".replace("*/", "* /")
+        yield f"    double {member}{size}; /* {comment} */"
+
+
+_KEYWORDS = """
+auto bool break case catch char class const continue default delete do double else enum explicit export extern false
+float for friend goto if inline int long namespace new operator private protected public register restrict return
+short signed sizeof static struct switch template this throw true try typedef typename union unsigned using virtual
+void volatile while
+"""
+"""Keywords of C99 and C++ that could be names."""
 
 
 _MAXIMUM_GAP = 4

@@ -13,10 +13,12 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from railgrip.base.errors import InputError, TranslationError
+from railgrip.base.system import SampledSystem, Variable
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native import lower
 from railgrip.fmus.native.c_source import in_c, strings
 from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.discrete import WrittenStep, sources_of_library
 from railgrip.fmus.native.package import HEADERS, Source, archive_bytes, c_identifier, sources
 from railgrip.fmus.native.system import System, explicit
 from railgrip.fmus.native.toolchain import binary, shared_library
@@ -167,6 +169,18 @@ def test_trigraphs_are_off(tmp_path: Path):
     file = tmp_path / "trigraph.so"
     file.write_bytes(binary({"trigraph.c": code}, "trigraph"))
     assert ctypes.CDLL(str(file)).at() == len("??/041") + 1
+
+
+def test_a_library_has_a_member_for_each_parameter_of_any_name_and_meaning():
+    """`M_PI` is a macro; two letters outside of C become the same one."""
+    names = ("double", "register", "class", "M_PI", "größe", "grüße", "slip[1]", "slip[2]")
+    odd = tuple(Variable(name=name, unit="*/ 1", description=CANARY + "*/ int x;") for name in names)
+    step = WrittenStep(text="#define MEMORY 1", files={})
+    header = sources_of_library(SampledSystem(name="Own", description="", parameters=odd, outputs=(), step=step))[
+        "Own.h"
+    ]
+    code = '#include <math.h>\n#include "Own.h"\nchar fits[sizeof(Own_Parameters) == 64 ? 1 : -1];\n'
+    assert binary({"Own.h": header, "own.c": code}, "own", units=("own.c",), flags=("-Werror",))
 
 
 @given(st.text())
