@@ -5,6 +5,7 @@ results. Conditions select values instead of branches: `choose` takes the place 
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from functools import reduce
 from typing import Any
 
@@ -116,11 +117,9 @@ class FormulaBuilder:
 
 
 def _require_scalar(name: str, value: Expression) -> Expression:
-    try:
+    with suppress(NotImplementedError):
         if ca.SX(value).is_scalar():
             return value
-    except NotImplementedError:
-        pass
     raise TypeError(f"{name} is {short(value)}, but one number or scalar expression is expected")
 
 

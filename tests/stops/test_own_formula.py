@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import railgrip as rg
-from railgrip.controllers.law import FULL_PRESSURE, GroupLaw, Tuning
+from railgrip.controllers.law import GroupLaw, Tuning
 from railgrip.controllers.sampled import Sampled, choose
 from railgrip.simulate.assembly import assemble
 from railgrip.simulate.user_parts import CustomParts
@@ -63,6 +63,9 @@ def scenario(tmp_path, monkeypatch):
     return load
 
 
+NOTED = Annotated[float, "1", ""]
+
+
 def law(demand, **attributes):
     """Return a class of a formula whose demand is a function of the draft, the parameters and the group."""
     body = {"description": "", "demand_with": staticmethod(lambda _, tuning: lambda d, group: demand(d, tuning, group))}
@@ -76,7 +79,7 @@ def remember(draft, name):
 
 
 def tuning(kind, value):
-    return dataclass(frozen=True)(type("Own", (Tuning,), {"__annotations__": {"level": kind}, "level": value}))
+    return dataclass(frozen=True)(type("Own", (Tuning,), {"__annotations__": {"threshold": kind}, "threshold": value}))
 
 
 def full_if(condition, group):
@@ -93,15 +96,7 @@ def test_a_formula_stops_as_the_same_law_in_python_and_its_parameters_have_units
 
 
 def test_a_sweep_changes_the_parameters_of_a_formula():
-    @dataclass(frozen=True, kw_only=True)
-    class Level(Tuning):
-        threshold: Annotated[float, "1", "slip above which a group is vented"] = 0.15
-
-    vented = law(
-        lambda _, tuning, group: full_if(group.slip < tuning["threshold"], group),
-        brake_data=FULL_PRESSURE,
-        tuning=Level,
-    )
+    vented = law(lambda _, tuning, group: full_if(group.slip < tuning["threshold"], group), tuning=tuning(NOTED, 0.15))
     rg.testing.check_controller(vented)
     axes = {"controller.parameters.threshold": [0.05, 0.1]}
     distances = [
@@ -127,7 +122,6 @@ def test_demands_are_limited_to_the_brake_and_a_missing_slip_brakes_fully(scenar
 
 
 SLIP = law(lambda _, __, group: group.slip)
-NOTED = Annotated[float, "1", ""]
 REFUSED = {
     "nan": (law(lambda _, __, group: group.slip * float("nan")), "Own demands .*nan.* Pa in a short run, at slips of"),
     "negative": (law(lambda _, __, group: -1.0 + 0.0 * group.slip), "expected are 0 to"),
@@ -146,9 +140,9 @@ REFUSED = {
         law(lambda draft, _, group: draft.state(group.label("t"), "s", "")),
         r"no next value of t\[1\], t\[2\]",
     ),
-    "annotation": (law(lambda *_: 0.0, tuning=tuning(float, 1.0)), r"Own: level: write Annotated\[float"),
-    "text": (law(lambda *_: 0.0, tuning=tuning(NOTED, "high")), "Own: level must be finite .*, got 'high' 1"),
-    "huge": (law(lambda *_: 0.0, tuning=tuning(NOTED, 10**400)), "level must be finite"),
+    "annotation": (law(lambda *_: 0.0, tuning=tuning(float, 1.0)), r"Own: threshold: write Annotated\[float"),
+    "text": (law(lambda *_: 0.0, tuning=tuning(NOTED, "high")), "Own: threshold must be finite .*, got 'high' 1"),
+    "huge": (law(lambda *_: 0.0, tuning=tuning(NOTED, 10**400)), "threshold must be finite"),
     "driver": (type("Own", (SLIP,), {"exceeds_driver": True}), "have an effect only in laws of railgrip"),
     "valves": (type("Own", (SLIP,), {"valve_band": 1e4}), "leave them out"),
     "train": (law(lambda _, __, group: full_if(group.train[0].slip < 0.1, group)), None),

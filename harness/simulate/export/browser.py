@@ -287,8 +287,7 @@ def _data(scenario: Scenario, opened: StopAssembly) -> JsonObject:
     if np.all(shape == shape[:, :1]):
         shape = shape[:, :1]
     bits = np.ascontiguousarray(shape).view(np.int64)
-    for _ in range(2):  # straight lines become zeros, except for rounding
-        bits = np.diff(bits, axis=0, prepend=0)
+    bits = np.diff(bits, 2, axis=0, prepend=np.zeros_like(bits[:2]))  # straight lines become zeros, except for rounding
     recovery = np.zeros(formation.wheelsets) if conditioning is None else recovery_of(conditioning, formation)
     functions = kernel(parts.layout).functions
     return {
