@@ -4,7 +4,6 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from numbers import Real
 from pathlib import Path
 from sys import float_info
 from typing import Annotated, ClassVar
@@ -46,7 +45,7 @@ class Tuning(Parameters):
         """
         for name, (unit, *_) in self.meanings().items():
             value = getattr(self, name)
-            is_valid = isinstance(value, Real) and 0.0 <= value <= float_info.max
+            is_valid = isinstance(value, int | float) and 0.0 <= value <= float_info.max
             if not is_valid or (name in self.POSITIVE and value == 0.0):
                 kind = "positive" if name in self.POSITIVE else "not negative"
                 raise ValueError(

@@ -272,7 +272,7 @@ def _struct(name: str, variables: Sequence[Variable]) -> str:
 def _fields(variables: Sequence[Variable]) -> Iterator[str]:
     if not variables:
         yield "    double none; /* C has no empty structs */"
-    taken = {*_KEYWORDS.split()}
+    taken = set[str](_KEYWORDS.split())
     for name, elements in gather((ElementName.of(each.name).array, each) for each in variables).items():
         first = elements[0]
         size = f"[{len(elements)}]" if first.name.endswith("]") else ""
