@@ -154,7 +154,7 @@ bench: fmus  ## speed, as medians and ratios in one run
 	$(PROGRAM) study bench $(OPTIONS)
 
 target: $(READY)  ## the onboard part on a Cortex-M7 in QEMU: memory, instructions, outputs, docs/how_to/real_time_target.md (minutes)
-	$(PROGRAM) study cortex_m7 $(OPTIONS)
+	$(RUN) tools target $(OPTIONS)
 
 # The tests fill two cores, but for their end; types and distances, in one process each, fill what is left of them.
 test: $(DEV)  ## lint, types, the tests that decide, and distances and figures against the accepted ones; prints its processor time

@@ -18,6 +18,7 @@ from conditioning import Refinement, campaign_of, conditioning_of, merged, repea
 from floors import floors
 from fmu_survey import survey, survey_table
 from installed_sizes import sizes_table
+from microcontroller import target
 from mutants import mutants
 from study_pages import execute
 from study_pages import pages as all_pages
@@ -364,7 +365,8 @@ def pages(
 tools = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 tools.callback()(program)
 for each in (
-    conditioning, discretisation, validation, calibrate, tune, fmus, sizes, compilers, pages, floors, mutants, suites
+    conditioning, discretisation, validation, calibrate, tune, target, fmus, sizes, compilers, pages, floors, mutants,
+    suites,
 ):  # fmt: skip
     tools.command()(each)
 

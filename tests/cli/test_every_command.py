@@ -161,7 +161,7 @@ MINUTES = {
 ELSEWHERE = {
     "docs": "docs/test_site.py",
     "target": "stops/test_exported_library.py",
-    "study cortex_m7": "stops/test_exported_library.py",
+    "tools target": "stops/test_exported_library.py",
     "--show-completion": "cli/test_commands.py",
     "--install-completion": "cli/test_commands.py",
     "ride": "learned/test_rides.py",

@@ -11,12 +11,12 @@ import pytest
 from command_line import exit_code
 from slave import Slave
 from synthetic import LIBRARY
+from target_build import missing_programs
 
 from railgrip.fmus.native.package import pack
 from railgrip.fmus.native.toolchain import compiler
 from railgrip.scenario.load import load
 from railgrip.simulate.export.c_parts import part_fmu, write_library
-from railgrip.studies.cortex_m7.build import missing_programs
 
 PERIOD = 1e-3
 SHORT = ("--set", "estimator.kind=none", "--set", "controller.kind=slip_two_state", "--set", "start.speed=10 km/h")
@@ -128,10 +128,10 @@ def test_the_command_writes_the_library(tmp_path: Path):
 
 @pytest.mark.skipif(bool(missing_programs()), reason=f"not on the PATH: {', '.join(missing_programs())}")
 def test_the_onboard_part_decides_on_a_microcontroller_as_here(tmp_path: Path, capsys):
-    """The quick form of `make target`, by the command `study cortex_m7`."""
-    assert exit_code("study", "cortex_m7", "--quick", "--out", tmp_path) == 0
+    """The quick form of `make target`, by the command `tools target`."""
+    assert exit_code("tools", "target", "--quick", "--out", tmp_path) == 0
     assert "is counted as 200,000." in capsys.readouterr().out
-    rows = [*csv.DictReader((tmp_path / "quick" / "target.csv").open())]
+    rows = [*csv.DictReader((tmp_path / "target.csv").open())]
     difference = {row["arithmetic"]: float(row["largest difference"]) for row in rows}
     assert difference["double"] == 0.0 < difference["single"] < 0.01
     for row in rows:

@@ -4,7 +4,6 @@ import ctypes
 import re
 import subprocess
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import Final
 
@@ -19,6 +18,8 @@ from railgrip.fmus.native.toolchain import FMU_FLAGS, shared_library
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.export.c_parts import part_in_c, readings_of
 
+DATA: Final = Path(__file__).with_name("cortex_m7")
+"""Folder of start-up code, layout of memory, a train, and reasons of MISRA findings."""
 PREFIX: Final = "arm-none-eabi-"
 EMULATOR: Final = "qemu-system-arm"
 PACKAGES: Final = "Debian's packages are gcc-arm-none-eabi, libnewlib-arm-none-eabi, qemu-system-arm and cppcheck"
@@ -105,8 +106,7 @@ class TargetBuild:
             f"typedef {self.name}_{kind} {kind};\n" for kind in ("State", "Inputs", "Outputs")
         )
         names += f"#define START_LIBRARY {self.name}_start\n#define STEP_LIBRARY {self.name}_step\n"
-        kernel = files("railgrip.studies.cortex_m7") / "kernel"
-        texts = {name: (kernel / name).read_text(encoding="utf-8") for name in ("target.c", "target.ld")}
+        texts = {name: (DATA / name).read_text(encoding="utf-8") for name in ("target.c", "target.ld")}
         for name, text in {**self.files, **texts, "target.c": names + texts["target.c"]}.items():
             (folder / name).write_text(text, encoding="utf-8")
         (folder / "readings.bin").write_bytes(self.readings.tobytes())
