@@ -45,8 +45,8 @@ class Tuning(Parameters):
         """
         for name, (unit, *_) in self.meanings().items():
             value = getattr(self, name)
-            is_valid = isinstance(value, int | float) and 0.0 <= value <= float_info.max
-            if not is_valid or (name in self.POSITIVE and value == 0.0):
+            least = float_info.min if name in self.POSITIVE else 0.0
+            if not (isinstance(value, int | float) and least <= value <= float_info.max):
                 kind = "positive" if name in self.POSITIVE else "not negative"
                 raise ValueError(
                     f"{self.LAW or type(self).__name__}: {name} must be finite and {kind}, got {short(value)} {unit}."
