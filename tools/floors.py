@@ -153,9 +153,14 @@ def required(test: str) -> bool:
     """
     if test.startswith(("tests/controllers/test_law_responses.py", *REPOSITORY)):
         return True
+    return any(test.startswith(f"tests/modelica/{file}") and word in test for file, _, word in checks_of_mutants())
+
+
+@cache
+def checks_of_mutants() -> list[tuple[str, str, str]]:
+    """Return file, option and word of each independent test of shared functions."""
     checks = tomllib.loads((ROOT / "tools/mutants.toml").read_text(encoding="utf-8"))["checks"].values()
-    parts = (check.partition(" -k ") for check in checks)
-    return any(test.startswith(f"tests/modelica/{file}") and word in test for file, _, word in parts)
+    return [check.partition(" -k ") for check in checks]
 
 
 def choose(seconds: dict[str, float], ran: dict[str, int]) -> tuple[set[str], set[str]]:

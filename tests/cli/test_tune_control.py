@@ -12,7 +12,7 @@ from one_process import Here, one_process
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
-from railgrip.campaign.searches import EQUIPMENT, RANGES, Optimum, parameters_of, search, set_of, text_of
+from railgrip.campaign.searches import EQUIPMENT, RANGES, Optimum, parameters_of, point_of, search, set_of, text_of
 from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.laws.slip_two_state import SlipLevels
 from railgrip.controllers.parameters import SEARCHED, TYPE_TEST, file_of
@@ -172,8 +172,10 @@ def test_the_sets_for_the_type_test_result_from_training_cases(law, version):
 
 def test_every_parameter_is_searched_on_a_logarithmic_scale():
     ranges = RANGES["adhesion_based"]["ideal", "estimated"]
-    values = parameters_of(tuple(ranges), np.log([low for low, _ in ranges.values()]))
+    lowest = np.log([low for low, _ in ranges.values()])
+    values = parameters_of(tuple(ranges), lowest)
     assert values == pytest.approx({name: low for name, (low, _) in ranges.items()})
+    assert point_of(ranges, values) == pytest.approx(lowest)
 
 
 def test_every_pair_of_searched_levels_can_switch():

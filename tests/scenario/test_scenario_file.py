@@ -169,3 +169,9 @@ def test_a_list_without_a_valid_item_has_a_sentence_for_each_item(points, lines)
 
 def test_the_sample_times_of_the_valves_are_those_of_the_plant():
     assert explicit(read("RailBraking.Pneumatics.ValveDelay")).clocks == [tuple(map(float, SAMPLES))]
+
+
+def test_a_train_takes_the_place_of_the_plant_of_the_scenario():
+    vehicle = Scenario.load("plain", {"vehicle.plant": None, "vehicle.train": "vt642"}).vehicle
+    assert vehicle.plant is None
+    assert vehicle.train is not None
