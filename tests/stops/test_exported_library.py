@@ -11,8 +11,9 @@ import pytest
 from command_line import exit_code
 from slave import Slave
 from synthetic import LIBRARY
-from target_build import missing_programs
+from target_build import TargetBuild, missing_programs
 
+from railgrip.base.errors import BuildFailed
 from railgrip.fmus.native.package import pack
 from railgrip.fmus.native.toolchain import compiler
 from railgrip.scenario.load import load
@@ -137,3 +138,14 @@ def test_the_onboard_part_decides_on_a_microcontroller_as_here(tmp_path: Path, c
     for row in rows:
         assert 0 < float(row["stack, painted [kB]"]) <= float(row["stack, computed [kB]"])
         assert 10_000 < float(row["instructions a step, median"]) <= float(row["worst"])
+    build = TargetBuild(load(str(LIBRARY / "plain.toml"), [*SHORT[1::2]], []), tmp_path, rows=2)
+    (tmp_path / "outputs.bin").symlink_to("/dev/full")
+    program = (tmp_path / "target.c").read_text(encoding="utf-8")
+    for text, sentence in (
+        (program, "cannot write outputs.bin"),
+        (program.replace("*CPACR |=", "*CPACR &= ~"), "An exception of the processor"),
+    ):
+        (tmp_path / "target.c").write_text(text, encoding="utf-8")
+        build.compile()
+        with pytest.raises(BuildFailed, match=sentence):
+            build.run()

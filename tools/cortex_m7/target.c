@@ -8,8 +8,8 @@
 
 typedef unsigned int word;
 
-enum { OPEN = 0x01, WRITE = 0x05, READ = 0x06, EXIT = 0x18 };       /* calls of semihosting */
-enum { FINISHED = 0x20026, FAILED = 0x20023 };                      /* reasons of EXIT: the application, a run-time error */
+enum { OPEN = 0x01, SAY = 0x04, WRITE = 0x05, READ = 0x06, EXIT = 0x18 }; /* calls of semihosting */
+enum { FINISHED = 0x20026, FAILED = 0x20023 };                        /* reasons of EXIT: the application, a run-time error */
 enum { FOR_READING = 1, FOR_WRITING = 5, PAINT = 0xA5A5A5A5, MARGIN = 64, LOOPS = 100000 };
 
 #define SYSTICK ((volatile word *)0xE000E010) /* control, reload, current value, which counts down 24 bits */
@@ -53,7 +53,19 @@ static void leave(word reason)
         (void)host(EXIT, (const void *)reason);
 }
 
-static void stop(void) { leave(FAILED); }
+static void fail(const char *sentence)
+{
+    (void)host(SAY, sentence);
+    leave(FAILED);
+}
+
+static void stop(void) { fail("An exception of the processor ended the program.\n"); }
+
+static void write_row(word file, const Row *row)
+{
+    if (transfer(WRITE, file, row, sizeof *row))
+        fail("The program cannot write outputs.bin.\n");
+}
 
 /* The ticks of a number of subtractions and branches, for the time of an instruction. */
 static word ticks_of(word loops)
@@ -109,7 +121,7 @@ static void run(void)
     SYSTICK[0] = 5; /* the clock of the processor, without interrupts */
     row.ticks = (double)ticks_of(LOOPS);
     row.failed = (double)ticks_of(0);
-    (void)transfer(WRITE, out, &row, sizeof row);
+    write_row(out, &row);
     for (word *at = stack_begin; at < here - MARGIN; at++)
         *at = PAINT;
     START_LIBRARY(&onboard);
@@ -117,10 +129,10 @@ static void run(void)
         const word begin = SYSTICK[2];
         row.failed = (double)STEP_LIBRARY(&onboard, &inputs, &row.outputs);
         row.ticks = (double)TICKS(begin);
-        (void)transfer(WRITE, out, &row, sizeof row);
+        write_row(out, &row);
     }
     row.ticks = (double)painted(here);
-    (void)transfer(WRITE, out, &row, sizeof row);
+    write_row(out, &row);
     leave(FINISHED);
 }
 
