@@ -73,6 +73,11 @@ _PRESS = """<script>addEventListener("load", async () => {
   parent.postMessage(JSON.stringify({ first, second, friction, third: await changed(second), tabs }), "*");
 });</script>"""
 
+_SHOWN = """<script>addEventListener("load", async () => {
+  for (let k = 0; k < 500 && !document.querySelector(".bad"); k++) await new Promise((go) => setTimeout(go, 20));
+  parent.postMessage(JSON.stringify(document.querySelector(".bad")?.textContent), "*");
+});</script>"""
+
 
 def answer_of(page, script, folder):
     text = page.read_text(encoding="utf-8").replace("</body>", f"{script}</body>")
@@ -144,6 +149,10 @@ def test_a_stop_that_does_not_end_or_run_is_a_sentence(page, tmp_path):
         {"controls": controls, "shown": ["full_brake"]} for controls in ({"friction": 1e-3}, {"load": 0.0}, {})
     ])  # fmt: skip
     assert (moving["end"], wrong["end"], after["end"]) == ("horizon", "plant_failed", "standstill")
+    full = tmp_path / "full.html"
+    start, exhaust = "  const level = settings.controls", "  for (let n = 65536; n; n >>= 1) while (api.allocate(n));\n"
+    full.write_text(page.read_text(encoding="utf-8").replace(start, exhaust + start), encoding="utf-8")
+    assert "the plant failed: the browser has no memory left for it" in answer_of(full, _SHOWN, tmp_path)
 
 
 def test_the_page_needs_nothing_else_and_forbids_it(page):

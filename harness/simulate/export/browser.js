@@ -139,8 +139,8 @@ function show() {
     const line = make("span", { className: "line" }), ended = stop.end === "standstill";
     line.style.background = colour(stop.kind);
     const cells = ended ? [`${last(stop, "distance").toFixed(2)} m`, `${stop.time.toFixed(2)} s`] : [];
-    const sentence = make("td", { className: "sentence bad", colSpan: 2, textContent: ended ? "" :
-      `${SENTENCES[stop.end](stop)}, after ${last(stop, "distance").toFixed(1)} m and ${stop.time.toFixed(2)} s` });
+    const where = !ended && stop.rows.length ? `, after ${last(stop, "distance").toFixed(1)} m and ${stop.time.toFixed(2)} s` : "";
+    const sentence = make("td", { className: "sentence bad", colSpan: 2, textContent: ended ? "" : SENTENCES[stop.end](stop) + where });
     return make("tr", {}, make("td", {}, line, stop.kind), ...(ended ? cells.map((text) => make("td", { textContent: text })) : [sentence]));
   });
   const head = make("tr", {}, ...["law", "distance", "duration"].map((text) => make("th", { textContent: text })));

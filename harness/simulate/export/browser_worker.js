@@ -1,5 +1,5 @@
 // Runs stops in WebAssembly, away from the page, which stays responsive.
-let api, data, prepared, friction, rows, bases;
+let api, data, prepared, shape, friction, rows, bases;
 
 async function inflate(text) {
   const packed = Uint8Array.fromBase64?.(text) ?? Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -14,8 +14,9 @@ async function prepare(module) {
   }
   api = (await WebAssembly.instantiate(compiled, imports)).exports;
   api._initialize?.();
-  friction = place(new BigInt64Array(await inflate(data.rail.shape)));
-  api.add_up(friction, data.rail.rows, data.rail.columns);
+  shape = place(new BigInt64Array(await inflate(data.rail.shape)));
+  api.add_up(shape, data.rail.rows, data.rail.columns);
+  friction = allocate(8 * data.rail.recovery.length * data.rail.rows);
   rows = allocate(8 * data.width * (Math.floor(data.samples / data.stride) + 3));
   bases = await Promise.all(data.laws.map(async (law) => new Float64Array(await inflate(law.words))));
 }
@@ -58,7 +59,7 @@ function run(number, settings) {
     const image = put(all.slice(0, law.image)), parameters = put(all.slice(law.image));
     const written = put(new Int32Array(1));
     const level = settings.controls.friction ?? rail.level;
-    api.lay_rail(friction, rail.rows, rail.columns, level * rail.factor, rail.recovered, recovery);
+    api.lay_rail(friction, shape, rail.rows, rail.columns, level * rail.factor, rail.recovered, recovery);
     const began = performance.now();
     const end = api.run(number, image, links, law.links.length / 2, parameters, data.stride, rows, written);
     const seconds = (performance.now() - began) / 1000;

@@ -53,12 +53,13 @@ SHOWN(add_up) void add_up(unsigned long long *bits, int rows, int columns)
             bits[i] += bits[i - columns];
 }
 
-/* The friction of a rail from that of its shape, (rows x columns): a factor, and conditioning as in
+/* The friction of a rail, (rows x wheelsets), from that of its shape, (rows x columns): a factor, and conditioning as in
    scenario/adhesion.py, with the recovery of each wheelset. */
 SHOWN(lay_rail)
-void lay_rail(const double *shape, int rows, int columns, double factor, double recovered, const double *recovery)
+void lay_rail(double *rail, const double *shape, int rows, int columns, double factor, double recovered,
+              const double *recovery)
 {
-    friction = realloc(friction, sizeof *friction * WHEELSETS * (size_t)rows);
+    friction = rail;
     points = rows;
     for (int i = 0; i < rows; i++)
         for (int w = 0; w < WHEELSETS; w++) {
@@ -88,8 +89,10 @@ static int start_plant(Cycle *c, const double *parameters)
     fmi2FreeInstance(plan.fmu);
     memset(&plan, 0, sizeof plan);
     plan.fmu = fmi2Instantiate("plant", fmi2CoSimulation, PLANT_GUID, "", &callbacks, 0, 0);
-    if (!plan.fmu)
+    if (!plan.fmu) {
+        note(0, 0, fmi2Error, 0, "the browser has no memory left for it");
         return NO_INSTANCE;
+    }
     plan.step = (DoStep *)fmi2DoStep;
     plan.senders = senders;
     plan.receivers = receivers;
