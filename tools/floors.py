@@ -32,7 +32,11 @@ PLACE = ROOT / "build/coverage"
 FILE = ROOT / "tests/left_out.toml"
 PACKAGES = ("harness", "estimators", "controllers", "fmus", "tools")
 REGRESSION = "make test"
-REPOSITORY = tuple(f"tests/test_{name}.py" for name in ("conventions", "floors", "makefile", "mutants_apply"))
+REPOSITORY = (
+    *(f"tests/test_{name}.py" for name in ("conventions", "floors", "makefile", "mutants_apply")),
+    "tests/docs/test_site.py::test_every_file_named_on_the_architecture_page_exists",
+    "tests/report/test_common_stops.py::test_no_function_compares_entrants_without_selecting_common_stops",
+)
 EXPENSIVE = 3.0
 """Processor time of a parametrised test [s] from which on its cases are chosen one by one."""
 SETTINGS = f"""[run]

@@ -136,6 +136,7 @@ COMPLETE = {
     "recommendation": "leaves out laws that lack a case of the rail",
     "lateral_runs": "every filter has every run, and a lost one an infinite error",
     "filter_consistency": "every filter has every stop",
+    "adhesion_based": "takes medians over the repeats of one stop, and compares laws stop by stop",
     "certificate": "counts steps, and sorts them along an axis of the cases",
 }
 """Function or page that orders entrants or takes quantiles over them without `on_common` or `rank` → why it may."""
