@@ -18,12 +18,12 @@ from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
 from railgrip.simulate.run import braking_distance
 
-SBC = {
+TARGETS = {
     one.match["scenario"].removeprefix("identified_"): one.distance
     for one in load_campaign(shelf("campaigns")["identified"]).references
     if one.match["controller"] == "slip_two_state"
 }
-"""Scenario → braking distance of slip-based control in Table 1 [m]."""
+"""Scenario → braking distance of slip-based control in Table 1 [m], to which its level is fitted."""
 
 SHAPES = ("dry", "wet", "low_steep", "poor_wheelset_study")
 """Published shapes of the creep curve for which levels are fitted."""
@@ -66,7 +66,7 @@ def fit(scenario: str, shape: str) -> FittedLevel:
     Raises:
         ArithmeticError: The distance is not reached with a level from 0.3 to 3.
     """
-    target = SBC[scenario]
+    target = TARGETS[scenario]
 
     def excess(level: float) -> float:
         overrides = [

@@ -1,4 +1,4 @@
-"""Commands of the Makefile alone: repeat stops, write distances, fit levels, survey FMUs, execute pages, judge tests.
+"""Commands for work on railgrip itself: repeat stops, fit levels, survey FMUs, execute pages, judge tests.
 
 `python tools conditioning FILE.toml`, from the folder of the project; the package contains none of these.
 """
@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
-from calibration import SBC
+from calibration import TARGETS
 from calibration import calibrate as fit_levels
 from compilers import compare
 from conditioning import Refinement, campaign_of, conditioning_of, merged, repeats_of, with_refinement
@@ -234,11 +234,11 @@ def calibrate(
     make_folder(out)
     with progress("levels", "some ten stops each"):
         fit_levels(
-            tuple(SBC) if scenario is None else (scenario,),
+            tuple(TARGETS) if scenario is None else (scenario,),
             out,
             lambda fit: say(
                 f"{fit.scenario}, {fit.shape}: level {fit.level:.5f}, {fit.distance:.1f} m "
-                f"(target {SBC[fit.scenario]} m)"
+                f"(target {TARGETS[fit.scenario]} m)"
             ),
         )
 
@@ -363,7 +363,7 @@ def pages(
 
 
 tools = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-tools.callback()(program)
+tools.callback(help="Commands for work on railgrip itself, from the folder of the project.")(program)
 for each in (
     conditioning, discretisation, validation, calibrate, tune, target, fmus, sizes, compilers, pages, floors, mutants,
     suites,

@@ -32,6 +32,14 @@ from railgrip.fmus.native.toolchain import WORD, Struct
 
 PARTS = ("discrete.c", "instance.c", "status.c")
 
+_KEYWORDS = """
+auto bool break case catch char class const continue default delete do double else enum explicit export extern false
+float for friend goto if inline int long namespace new operator private protected public register restrict return
+short signed sizeof static struct switch template this throw true try typedef typename union unsigned using virtual
+void volatile while
+"""
+"""Keywords of C99 and C++ that could be names."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WrittenStep:
@@ -283,15 +291,6 @@ def _fields(variables: Sequence[Variable]) -> Iterator[str]:
         taken.add(member)
         comment = f"{first.unit or '1'}: {first.description}".replace("*/", "* /")
         yield f"    double {member}{size}; /* {comment} */"
-
-
-_KEYWORDS = """
-auto bool break case catch char class const continue default delete do double else enum explicit export extern false
-float for friend goto if inline int long namespace new operator private protected public register restrict return
-short signed sizeof static struct switch template this throw true try typedef typename union unsigned using virtual
-void volatile while
-"""
-"""Keywords of C99 and C++ that could be names."""
 
 
 _MAXIMUM_GAP = 4

@@ -142,13 +142,6 @@ def test_a_stop_beyond_the_end_of_the_line_is_remarked(tmp_path):
     assert not remarks_after(made, 20.0, 90.0)
 
 
-def test_a_gradient_behind_the_end_of_the_stop_is_remarked():
-    made = load("plain", ["track.gradient=[{begin=0, slope=0.01}, {begin=300, slope=0.02}]"])
-    assert remarks_after(made, 20.0, 250.0) == [
-        "plain: [track.gradient[2]] had no effect: it begins at 300 m, and the stop ended at 250 m."
-    ]
-
-
 FRICTION = {"kind": "points", "over": "distance", "polach": "wet", "origin": "13 km"}
 FALLING = {"points": [["14 km", 0.3], ["9 km", 0.05]]}
 

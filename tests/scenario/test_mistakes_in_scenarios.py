@@ -256,3 +256,10 @@ def test_a_creep_curve_that_exceeds_friction_is_refused() -> None:
 @pytest.mark.parametrize("name", sorted({"plain", "trapezoid", "sine_sweep", "random", "degraded", "service_steps"}))
 def test_scenarios_of_the_library_have_no_remarks(name: str) -> None:
     assert remarks_before(load(shelf("scenarios")[name])) == []
+
+
+def test_a_gradient_behind_the_end_of_the_stop_is_remarked():
+    made = load("plain", ["track.gradient=[{begin=0, slope=0.01}, {begin=300, slope=0.02}]"])
+    assert remarks_after(made, 20.0, 250.0) == [
+        "plain: [track.gradient[2]] had no effect: it begins at 300 m, and the stop ended at 250 m."
+    ]
