@@ -6,7 +6,6 @@ What `make test` runs besides tests, the FMUs of the recipes and the regression,
 """
 
 import ast
-import heapq
 import json
 import os
 import re
@@ -22,8 +21,14 @@ from itertools import groupby
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
+from coverage import Coverage
+from coverage.python import PythonFileReporter
+from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.sparse import csr_array
 
+from railgrip.base.arrays import Mask
 from railgrip.base.files import write_text
 from railgrip.report.console import say
 
@@ -71,6 +76,7 @@ def measure(name: str, command: Sequence[str], test: str = "") -> None:
 def measure_all(files: Sequence[Path], *, regression: bool) -> None:
     """Measure test files, those of a folder in one process, and the regression if required."""
     if regression:
+        measure("make fmus", ["-m", "railgrip", "build"], test=REGRESSION)
         measure(
             REGRESSION,
             ["-m", "railgrip", "maintain", "regress", "--workers", "1", "--import-from", "docs/studies"],
@@ -83,14 +89,30 @@ def measure_all(files: Sequence[Path], *, regression: bool) -> None:
         measure(name, ["-m", "pytest", "-n0", "-q", "-p", "measured_tests", "-p", "no:cacheprovider", *names])
 
 
-def lines_in_functions(path: str) -> set[int]:
-    """Return the lines of a module that run when its functions are called: the others run whenever it is imported."""
-    return {
+@cache
+def module(path: str) -> tuple[PythonFileReporter, set[int], set[tuple[int, int]]]:
+    """Return what coverage knows of a module, its lines that run when its functions are called, and its branches.
+
+    The other lines run whenever the module is imported.
+    """
+    reporter = PythonFileReporter(path, Coverage(data_file=None))
+    inside = {
         line
         for node in ast.walk(ast.parse(Path(path).read_bytes()))
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
         for line in range(node.body[0].lineno, (node.end_lineno or 0) + 1)
     }
+    exits = reporter.exit_counts()
+    return reporter, reporter.lines() & inside, {arc for arc in reporter.arcs() if exits.get(arc[0], 0) > 1}
+
+
+@cache
+def ran_by(path: str, start: int, end: int) -> list[tuple[str, int, int]]:
+    """Return the lines in functions, and the branch, that a step from one line of a module to another runs."""
+    reporter, lines, branches = module(path)
+    run = reporter.translate_lines({line for line in (start, end) if line > 0}) & lines
+    found = [(path, line, line) for line in run]
+    return found + [(path, *arc) for arc in reporter.translate_arcs({(start, end)}) if arc in branches]
 
 
 @cache
@@ -108,12 +130,11 @@ def exists(test: str) -> bool:
     return name in tests_in(file)
 
 
-def read(place: Path) -> tuple[dict[str, float], dict[str, int]]:
-    """Return the processor time of each measured test [s], and what each ran: a bit for each line and branch."""
+def read(place: Path) -> tuple[dict[str, float], dict[str, set[int]]]:
+    """Return the processor time of each measured test [s], and the numbers of the lines and branches that each ran."""
     lines = (line for file in sorted(place.glob("*/seconds.jsonl")) for line in file.open(encoding="utf-8"))
     seconds = {test: time for test, time in map(json.loads, lines) if exists(test)}
     bits: dict[tuple[str, int, int], int] = {}
-    inside: dict[str, set[int]] = {}
     ran: dict[str, set[int]] = defaultdict(set)
     for file in sorted(place.glob("*/data.*")):
         # A process that a test kills leaves a file in part.
@@ -122,22 +143,10 @@ def read(place: Path) -> tuple[dict[str, float], dict[str, int]]:
                 "select context, path, fromno, tono from arc join context on context.id = context_id"
                 " join file on file.id = file_id where context != '' and path like '%.py'"
             )
-            for test, path, start, end in rows:
-                if test not in seconds and test != REGRESSION:
-                    continue
-                if path not in inside:
-                    inside[path] = lines_in_functions(path)
-                if max(abs(start), abs(end)) in inside[path] or min(start, end) in inside[path]:
-                    ran[test].add(bits.setdefault((path, start, end), len(bits)))
-    return seconds, {test: sum_of(found) for test, found in ran.items()}
-
-
-def sum_of(bits: set[int]) -> int:
-    """Return the number in which these bits are set."""
-    field = bytearray(max(bits) // 8 + 1)
-    for bit in bits:
-        field[bit // 8] |= 1 << bit % 8
-    return int.from_bytes(field, "little")
+            for test, *step in rows:
+                if test in seconds or test == REGRESSION:
+                    ran[test].update(bits.setdefault(one, len(bits)) for one in ran_by(*step))
+    return seconds, ran
 
 
 def units(seconds: dict[str, float]) -> dict[str, str]:
@@ -167,43 +176,37 @@ def checks_of_mutants() -> list[tuple[str, str, str]]:
     return [check.partition(" -k ") for check in checks]
 
 
-def choose(seconds: dict[str, float], ran: dict[str, int]) -> tuple[set[str], set[str]]:
-    """Return the units that decide, chosen by what each adds in a second, and all units.
-
-    The greedy choice costs at most a logarithm of the size more than the best one (Chvátal, 1979); units that later
-    ones have made redundant go.
-    """
-    whole = units(seconds)
+def choose(seconds: dict[str, float], ran: dict[str, set[int]]) -> tuple[set[str], set[str]]:
+    """Return the units that decide, the cheapest that run all lines and branches, and all units."""
     cost: dict[str, float] = defaultdict(lambda: 1e-3)
-    has: dict[str, int] = defaultdict(int)
-    for test, unit in whole.items():
+    has: dict[str, set[int]] = defaultdict(set)
+    for test, unit in units(seconds).items():
         cost[unit] += seconds[test]
-        has[unit] |= ran.get(test, 0)
-    chosen = [unit for test, unit in whole.items() if required(test)]
-    covered = ran.get(REGRESSION, 0)
-    for unit in chosen:
-        covered |= has[unit]
-    heap = [(-has[unit].bit_count() / cost[unit], unit) for unit in cost if unit not in chosen]
-    heapq.heapify(heap)
-    while heap:
-        _, unit = heapq.heappop(heap)
-        gain = -(has[unit] & ~covered).bit_count() / cost[unit]
-        if heap and gain > heap[0][0]:
-            heapq.heappush(heap, (gain, unit))
-        elif gain:
-            chosen.append(unit)
-            covered |= has[unit]
-    kept = dict.fromkeys(chosen)
-    for unit in sorted(kept, key=lambda unit: -cost[unit]):
-        others = ran.get(REGRESSION, 0)
-        for other in kept:
-            others |= has[other] if other != unit else 0
-        if not has[unit] & ~others and not required(unit):
-            del kept[unit]
-    by_regression = ran.get(REGRESSION, 0).bit_count()
-    say(f"{covered.bit_count()} lines and branches, of which the regression runs {by_regression}")
-    say(f"{len(kept)} of {len(cost)} tests decide: {sum(cost[one] for one in kept):.0f} of {sum(cost.values()):.0f} s")
-    return set(kept), set(cost)
+        has[unit] |= ran.get(test, set())
+    names = [*cost]
+    is_required = np.array([required(unit) for unit in names])
+    runs = np.zeros((len(names), 1 + max(map(max, filter(None, ran.values())), default=0)), dtype=np.bool_)
+    for row, unit in zip(runs, names, strict=True):
+        row[[*has[unit]]] = True
+    once = runs[is_required].any(axis=0)
+    once[[*ran.get(REGRESSION, ())]] = True
+    by_units = _distinct(runs[:, runs.any(axis=0) & ~once])
+    prices = np.array([*cost.values()])
+    chosen = milp(
+        prices, integrality=np.ones(len(names)), bounds=Bounds(0, 1), options={"mip_rel_gap": 0.005, "time_limit": 600},
+        constraints=LinearConstraint(csr_array(by_units.T.astype(float)), lb=1),
+    )  # fmt: skip
+    decides = is_required | (chosen.x > 0.5)
+    by_regression = len(ran.get(REGRESSION, ()))
+    say(f"{(once | runs.any(axis=0)).sum()} lines and branches, of which the regression runs {by_regression}")
+    say(f"{decides.sum()} of {len(names)} tests decide: {prices[decides].sum():.0f} of {prices.sum():.0f} s")
+    return {name for name, one in zip(names, decides, strict=True) if one}, set(names)
+
+
+def _distinct(columns: Mask) -> Mask:
+    """Return each different column once: lines that the same tests run need one of them."""
+    packed = np.unique(np.packbits(columns, axis=0), axis=1)
+    return np.unpackbits(packed, axis=0, count=len(columns)).astype(np.bool_)
 
 
 def text_of(left_out: set[str]) -> Iterator[str]:
