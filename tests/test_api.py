@@ -6,11 +6,13 @@ import re
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray
+from one_process import Here
 
 import railgrip as rg
 from railgrip.base.errors import ScenarioError
@@ -278,6 +280,16 @@ def test_a_sweep_of_fifty_stops_yields_an_ordered_table(scenario):
     assert grid["distance"].dims == ("start.speed", "seed")
     assert grid["longest_lock"].dims == ("start.speed", "seed", "group")
     assert grid["distance"].attrs["units"] == "m"
+
+
+def test_a_sweep_over_one_axis_is_ordered_in_whichever_order_its_stops_end(scenario, monkeypatch):
+    """Tasks run in this process, at once; those of the sweep of fifty stops in others."""
+    monkeypatch.setattr("railgrip.campaign.sweep.processes", lambda count, *, main: nullcontext(Here()))
+    short = scenario.changed({"limits.horizon": "100 ms"})
+    speeds = [4.0, 8.0, 6.0]
+    table = rg.sweep(short, {"start.speed": speeds}, controller=BangBang, workers=2).to_pandas()
+    assert table.index.tolist() == speeds
+    assert table["distance_travelled"].tolist() == pytest.approx([0.1 * speed for speed in speeds], rel=2e-2)
 
 
 def test_a_sweep_of_an_invalid_scenario_runs_nothing(scenario):

@@ -2,6 +2,7 @@
 
 import csv
 import math
+import re
 import shutil
 import subprocess
 import sys
@@ -72,6 +73,16 @@ def test_openmodelica_translates_legal_classes_only(library: Path, tmp_path: Pat
     rows = run(tmp_path / "out.csv", "compliance", library, "--compiler", "openmodelica")
     expected = dict.fromkeys(CLASSES, "translated") | dict.fromkeys(("Refused", "Illegal"), "refused")
     assert {name: row["verdict"] for name, row in rows.items()} == expected | {"Accepted": "accepted"}
+
+
+def test_a_build_and_a_step_of_each_plant_are_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Here of a contact point, which is built in a second and makes a step in less than a microsecond."""
+    monkeypatch.setattr(compilers, "PLANTS", ("ContactPoint", "ContactPoint"))
+    first, again, step = compilers.durations("native").items()
+    assert [first[0], again[0]] == [f"build of {which} plant, ContactPoint" for which in ("the first", "one more")]
+    assert float(first[1].split()[0]) > float(again[1].split()[0])  # it is in the cache
+    assert step[0] == "step of 1 ms, ContactPoint"
+    assert re.fullmatch(r"\d+ µs", step[1])
 
 
 def test_the_page_of_compilers_has_the_results_of_suites(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,8 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import Future
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +20,14 @@ import dask
 from command_line import exit_code
 from distributed import Client, LocalCluster
 from distributed.utils import json_load_robust
+from one_process import Here
 from synthetic_runner import run_stop
 from waiting import LONGEST, until
 
 from railgrip.base.errors import InputError, RailgripError
 from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.campaign.work import work
-from railgrip.campaign.workers import cluster
+from railgrip.campaign.workers import cluster, collect
 from railgrip.report.stop import read_stop
 from railgrip.scenario.campaign import load_campaign
 
@@ -97,6 +100,23 @@ def test_a_killed_worker_loses_no_results(campaign, two_workers, tmp_path, monke
     repeats = []
     run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler="tcp://nobody:1", notify=repeats.append)
     assert {report.state for report in repeats} == {"found"}  # so no scheduler was contacted
+
+
+def test_a_stop_of_a_cluster_is_written_here_and_a_task_given_up_says_what_to_do(campaign, tmp_path, monkeypatch):
+    """The cluster is replaced by this process; further tests have a real one."""
+    monkeypatch.setattr("railgrip.campaign.workers.cluster", lambda scheduler: nullcontext((Here(), lambda: None)))
+    runs, said = [CampaignRun(campaign, tmp_path / "out")], []
+    (reports,) = run_campaigns(runs, run_stop, scheduler="tcp://nobody:1", notify=said.append)
+    assert len(said) == len(reports)
+    assert [report.state for report in reports] == ["done"] * 6
+    for stop in campaign.stops:
+        assert read_stop(tmp_path / "out" / stop.name).digest == stop.scenario.digest()
+    lost = Future()
+    lost.cancel()
+    lost.set_running_or_notify_cancel()
+    ((task, error),) = collect({lost: "a stop"})
+    assert task == "a stop"
+    assert str(error).startswith("the Dask scheduler ended; start it and its workers and repeat the command")
 
 
 @pytest.mark.usefixtures("in_process")

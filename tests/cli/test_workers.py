@@ -1,12 +1,13 @@
 """Worker processes of a pool end together with the process that started the pool."""
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
 from waiting import LONGEST, is_running, until
 
-from railgrip.campaign.workers import pool, shared_pool
+from railgrip.campaign.workers import pool, shared_pool, workers
 
 PROGRAM = """
 import os
@@ -175,3 +176,12 @@ def test_a_pool_within_a_shared_pool_uses_its_process():
             with pool(2, None) as (executor, _):
                 processes |= {executor.submit(os.getpid).result() for _ in range(2)}
     assert len(processes - {os.getpid()}) == 1
+
+
+def test_a_script_is_hidden_from_processes_that_must_not_run_it_again(monkeypatch):
+    main = sys.modules["__main__"]
+    monkeypatch.setattr(main, "__file__", "script.py", raising=False)
+    with workers(1, main=False):
+        assert not hasattr(main, "__file__")
+        assert main.__spec__ is None
+    assert main.__file__ == "script.py"
