@@ -13,7 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Literal, Protocol
 
-from railgrip.base.errors import CompilerMissing, InputError, RailgripError, RecordError, ScenarioError
+from railgrip.base.errors import CompilerMissing, InputError, RailgripError, RecordError
 from railgrip.base.files import PARTIAL, scratch, write_bytes, write_json
 from railgrip.base.programs import versions
 from railgrip.base.records import RECORD, claim, discard, make_folder, require_free
@@ -190,11 +190,7 @@ def run(
     is_own = bool(user_kinds(scenario))
     if is_own:
         record_files()
-    try:
-        stop = runner(scenario, progress, notify)
-    except ScenarioError as problem:
-        # Parts know the table and the key, but not the name of the scenario.
-        raise ScenarioError(f"{scenario.name}: {problem}") if str(problem).startswith("[") else problem from None
+    stop = runner(scenario, progress, notify)
     stop = replace(add_versions(stop), dependencies=dependencies_of(scenario) if is_own else {})
     write_stop(stop, directory, keep_trace=keep_trace)
     return stop

@@ -46,13 +46,14 @@ class Fault(Table):
         """Whether it lasts for the whole stop."""
         return not self.begin and self.end is None
 
-    def samples(self, scenario: Any, period: float | None = None) -> dict[str, int]:
+    def samples(self, period: float, horizon: float) -> dict[str, int]:
         """Return `begin`, the first sample of a stop with the fault, and `end`, the first sample after it.
 
-        Samples are a period [s] apart, by default a communication step.
+        Args:
+            period: Time between two samples [s].
+            horizon: Maximum duration of the stop [s].
         """
-        period = period or float(scenario.periods.communication)
-        end = scenario.horizon + 1.0 if self.end is None else self.end
+        end = horizon + 1.0 if self.end is None else self.end
         # Times are rounded to the nearest sample; a fault lasts at least one.
         begin = round(self.begin / period)
         return {"begin": begin, "end": max(round(end / period), begin + 1)}

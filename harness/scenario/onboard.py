@@ -313,7 +313,7 @@ class SensorModel(Table):
         """Return the communication steps [s] between two readings."""
         return 1
 
-    def extra_readings(self, scenario: Any, outputs: Collection[str]) -> tuple[Any, ...]:
+    def extra_readings(self, outputs: Collection[str]) -> tuple[Any, ...]:
         """Return the signals that they read from a plant with `outputs`, in addition to those of all sensors.
 
         Raises:
@@ -341,9 +341,9 @@ class SampledSensors(SensorModel):
         "same kind; without it the seed of the scenario"
     )
 
-    def random(self, scenario: Any, purpose: str) -> np.random.Generator:
-        """Return the stream of random numbers for one purpose of these sensors."""
-        return generator(scenario.seed if self.seed is None else self.seed, f"sensors.{purpose}")
+    def random(self, seed: int, purpose: str) -> np.random.Generator:
+        """Return the stream of random numbers for one purpose of these sensors, in a scenario with a seed."""
+        return generator(seed if self.seed is None else self.seed, f"sensors.{purpose}")
 
     def sampled_every(self, communication: float) -> int:
         """Return the communication steps [s] between two readings."""

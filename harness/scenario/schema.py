@@ -8,12 +8,14 @@ periods of 1 ms, and straight level track.
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from fractions import Fraction
 from typing import Annotated, Any, Final, Self
 
 from pydantic import Field, model_validator
 
+from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.base.tables import TomlTable
 from railgrip.base.units import GRAVITY
 from railgrip.scenario.demand import Demand
@@ -249,6 +251,20 @@ class Scenario(Table):
     def replaced(self, tables: Mapping[str, Any]) -> Self:
         """Return the scenario with whole tables in place of its own, of which no key remains."""
         return self.model_validate(self.tables() | dict(tables))
+
+    @contextmanager
+    def name_errors(self) -> Generator[None]:
+        """Put the name of the scenario in front of an error that begins with a table, as those of its parts do.
+
+        Raises:
+            ScenarioError, FmuError: Those of the block.
+        """
+        try:
+            yield
+        except (ScenarioError, FmuError) as problem:
+            if not str(problem).startswith("["):
+                raise
+            raise type(problem)(f"{self.name}: {problem}") from problem
 
     def digest(self) -> str:
         """Return a SHA-256 of all inputs of the stop: values, and the content of the files they name."""

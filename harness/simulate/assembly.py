@@ -149,16 +149,16 @@ def assemble(
         FmuError: An FMU does not fit.
     """
     scenario = objects.declare_in(scenario)
-    vehicle = VehicleData(scenario)
-    formation, layout = vehicle.nominal.formation, vehicle.layout
-    radius = tuple(group.wheel_radius for group in formation.brakes)
-    clock, user = _clock(scenario), UserParts(objects, scenario, layout)
-    vehicle.require_pad_friction()
-    vehicle.require_known_forces()
-    remarks = [*remarks_before(scenario), *remarks_on_vehicle(vehicle)]
-    for sentence in remarks:
-        notify(sentence)
-    with shared_budget(), ExitStack() as stack:
+    with scenario.name_errors(), shared_budget(), ExitStack() as stack:
+        vehicle = VehicleData(scenario)
+        formation, layout = vehicle.nominal.formation, vehicle.layout
+        radius = tuple(group.wheel_radius for group in formation.brakes)
+        clock, user = _clock(scenario), UserParts(objects, scenario, layout)
+        vehicle.require_pad_friction()
+        vehicle.require_known_forces()
+        remarks = [*remarks_before(scenario), *remarks_on_vehicle(vehicle)]
+        for sentence in remarks:
+            notify(sentence)
         opening, plant = Opening(vehicle, notify, stack), user.plant()
         plant = fmu_plant(opening) if plant is None else require_python_plant(vehicle, plant)
         filter_, estimates = user.estimator(), frozenset[str]()
@@ -197,13 +197,7 @@ def assemble(
                 binding=not exceeds_driver(scenario),
                 origin=scenario.name,
             ),
-            faults=faults_of(
-                scenario,
-                layout,
-                formation.brakes,
-                outputs=vehicle.outputs,
-                valves=scenario.actuation.kind == "pneumatic",
-            ),
+            faults=faults_of(scenario, layout, vehicle.outputs),
             wheel_radius=radius,
             law=states,
             clock=clock,

@@ -50,7 +50,8 @@ def run_stop(
         remarks = remarks_before(scenario)
         for sentence in remarks:
             notify(sentence)
-        stop = analysis(scenario, progress)
+        with scenario.name_errors():
+            stop = analysis(scenario, progress)
         for sentence in (excess := remarks_on_use(scenario, stop.metrics)):
             notify(sentence)
         return replace(stop, remarks=(*remarks, *excess), cars=cars_of(scenario))

@@ -255,7 +255,8 @@ class VehicleData:
         vehicle, parameters = self.scenario.vehicle, self.fmu_parameters | self.changes
         if not isinstance(vehicle.source, ModelicaPlant):
             parameters |= self.nominal.valves
-        isolated = isolated_groups(self.scenario, self.formation)
+        with self.scenario.name_errors():
+            isolated = isolated_groups(self.scenario.faults, self.formation)
         return VehicleParameters(self.formation, self._with_valves(parameters), tuple(isolated))
 
     def require_pad_friction(self) -> None:
@@ -376,7 +377,8 @@ class VehicleData:
             if len(each) not in (1, len(elements)):
                 raise ScenarioError(f"{where} has {len(each)} factors, the plant has {len(elements)} of {name}")
             changes |= {element: base[element] * each[i % len(each)] for i, element in enumerate(elements)}
-        return changes | isolated_units(scenario, self.formation, base)
+        with scenario.name_errors():
+            return changes | isolated_units(scenario.faults, self.formation, base)
 
     @cached_property
     def slowing(self) -> Slowing:
@@ -482,7 +484,8 @@ class VehicleData:
         """
         extra = tuple(s for s in EXTRA if s.name in self.outputs)
         several = len(self.scenario.adhesion.curves) > 1
-        readings = (*READINGS, *self.scenario.sensors.extra_readings(self.scenario, self.outputs))
+        with self.scenario.name_errors():
+            readings = (*READINGS, *self.scenario.sensors.extra_readings(self.outputs))
         has_cars = any(ElementName.of(name).array == "car_track_force" for name in self.file.names("input"))
         cars = CAR_TRACK_FORCE if has_cars and not self.track_force.is_even else ()
         sent = (*PLANT_INPUTS, *cars, *(CURVE if several else ()), *self._demanded)

@@ -32,8 +32,7 @@ def scenario_with(*faults, equipment="service", **tables):
 def parts(scenario):
     """The effects of a scenario's faults, except those on the plant."""
     vehicle = VehicleData(scenario)
-    valves = scenario.actuation.kind == "pneumatic"
-    return faults_of(scenario, vehicle.layout, vehicle.nominal.formation.brakes, outputs=vehicle.outputs, valves=valves)
+    return faults_of(scenario, vehicle.layout, vehicle.outputs)
 
 
 def plant_of(scenario):

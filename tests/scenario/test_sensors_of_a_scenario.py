@@ -28,7 +28,7 @@ def scenario_with(track=None, **sensors):
 
 
 def reader(scenario):
-    layout = layout_of(TWO_PART_TRAIN, reading=(*READINGS, *scenario.sensors.extra_readings(scenario, OUTPUTS)))
+    layout = layout_of(TWO_PART_TRAIN, reading=(*READINGS, *scenario.sensors.extra_readings(OUTPUTS)))
     return layout, scenario.sensors.open(scenario, layout, 0.4)
 
 

@@ -1,6 +1,6 @@
 """Faults of brakes: isolated brakes, faulty valves, an insufficient supply of air."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -8,7 +8,6 @@ from pydantic import Field
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.faults import Fault, Place, amount_of
 from railgrip.scenario.quantity import Magnitude, UnitRange
-from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import optional
 from railgrip.simulate.faults.site import Site, iterate_faults, places
 from railgrip.vehicle.formation import Formation
@@ -25,16 +24,15 @@ class BrakeIsolation(Fault):
     def act_on(self, site: Site) -> None:
         """Vent each group that is isolated as a whole."""
         if self.value is None:
-            vented, samples = -1.0 if site.valves else 0.0, self.samples(site.scenario)
             for group in site.groups(self.group):
-                site.faults.add_command("fixed", group, value=vented, **samples)
+                site.change_command("fixed", group, value=-1.0 if site.valves else 0.0)
 
 
-def isolated_units(scenario: Scenario, formation: Formation, units: Mapping[str, float]) -> dict[str, float]:
+def isolated_units(faults: Sequence[Fault], formation: Formation, units: Mapping[str, float]) -> dict[str, float]:
     """Return the plant parameters `n_units[g]`, reduced by the brake units that are isolated.
 
     Args:
-        scenario: Scenario with the faults.
+        faults: Faults of the scenario.
         formation: Formation with the groups.
         units: All numeric parameters of the plant.
 
@@ -42,7 +40,7 @@ def isolated_units(scenario: Scenario, formation: Formation, units: Mapping[str,
         ScenarioError: The plant has no such parameter or fewer units, or units are isolated for a while only.
     """
     counts: dict[str, float] = {}
-    for where, fault in iterate_faults(scenario, BrakeIsolation):
+    for where, fault in iterate_faults(faults, BrakeIsolation):
         if fault.value is None:
             continue
         if not fault.lasts:
@@ -66,14 +64,14 @@ def isolated_units(scenario: Scenario, formation: Formation, units: Mapping[str,
     return counts
 
 
-def isolated_groups(scenario: Scenario, formation: Formation) -> list[int]:
+def isolated_groups(faults: Sequence[Fault], formation: Formation) -> list[int]:
     """Return the zero-based groups whose brake is isolated for the whole stop."""
-    faults = (
-        (where, fault)
-        for where, fault in iterate_faults(scenario, BrakeIsolation)
+    return [
+        group
+        for where, fault in iterate_faults(faults, BrakeIsolation)
         if fault.value is None and fault.lasts
-    )
-    return [group for where, fault in faults for group in places(fault.group, formation.groups, where, "group")]
+        for group in places(fault.group, formation.groups, where, "group")
+    ]
 
 
 _SLOWEST = 10.0  # s
@@ -96,15 +94,13 @@ class StuckValve(_ValveFault):
 
     def act_on(self, site: Site) -> None:
         """Fix the command to a value, or to the last one."""
-        samples = self.samples(site.scenario)
         for group in site.groups(self.group):
             if self.kind == "held" and not site.valves:
-                site.faults.add_command("kept", group, **samples)
+                site.change_command("kept", group)
             else:
-                pressures = {"filled": site.brakes[group].pressure_max, "dumped": 0.0}
+                pressures = {"filled": site.layout.formation.brakes[group].pressure_max, "dumped": 0.0}
                 positions = {"filled": _FILL, "dumped": _VENT, "held": _HOLD}
-                value = (positions if site.valves else pressures)[self.kind]
-                site.faults.add_command("fixed", group, value=value, **samples)
+                site.change_command("fixed", group, value=(positions if site.valves else pressures)[self.kind])
 
 
 class SlowValve(_ValveFault):
@@ -126,7 +122,7 @@ class SlowValve(_ValveFault):
             )
         delay = round(amount / site.scenario.periods.communication)
         for group in site.groups(self.group):
-            site.faults.add_command("late", group, delay=delay, **self.samples(site.scenario))
+            site.change_command("late", group, delay=delay)
 
 
 class SupplyLoss(Fault):
@@ -152,7 +148,6 @@ class SupplyLoss(Fault):
                 "take a plant with it, or leave out this fault"
             )
         volume = amount_of(self.value, "m3", site.where, self.kind)
-        samples = self.samples(site.scenario)
         refill = (self.refill or 0.0) * site.scenario.periods.communication
         for group in site.groups(None):
-            site.faults.add_command("limited", group, value=volume, pressure=self.pressure, refill=refill, **samples)
+            site.change_command("limited", group, value=volume, pressure=self.pressure, refill=refill)

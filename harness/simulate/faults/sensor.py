@@ -1,5 +1,6 @@
 """Faults of sensors, and missing teeth of pole wheels."""
 
+from collections.abc import Sequence
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
@@ -8,10 +9,8 @@ from railgrip.base.arrays import generator
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.faults import READ_BY, Fault, Place, amount_of
 from railgrip.scenario.quantity import Magnitude
-from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import optional, table_error
 from railgrip.simulate.faults.site import ReadingKind, Site, iterate_faults, places
-from railgrip.vehicle.formation import Formation
 
 _MAX_DRAWS = 2**17
 """Length of the noise sequence; it repeats after 131 s."""
@@ -38,8 +37,7 @@ class _SensorFault(Fault):
             noise = None
             if kind == "noisy":
                 noise = generator(site.scenario.seed, f"faults.{site.number}.{index}").standard_normal(_MAX_DRAWS)
-            samples = self.samples(site.scenario)
-            site.faults.add_reading(kind, at.start + index, value=value, noise=noise, **samples)
+            site.change_reading(kind, at.start + index, value, noise)
 
 
 class SilentSensor(_SensorFault):
@@ -82,30 +80,37 @@ class ToothFault(Fault):
         Raises:
             ScenarioError: The sensors have no pole wheels.
         """
-        missing_teeth(site.scenario, site.layout.formation, site.scenario.periods.communication)
+        sensors = site.scenario.sensors
+        if not sensors.pulses:
+            raise ScenarioError(f"{site.where} needs pole wheels, [sensors] kind 'service', and it is '{sensors.kind}'")
 
 
-def missing_teeth(scenario: Scenario, formation: Formation, period: float) -> list[dict[str, int]]:
+def missing_teeth(
+    faults: Sequence[Fault], pulses: int, groups: int, period: float, horizon: float
+) -> list[dict[str, int]]:
     """Return the missing teeth of each group's pole wheel, as fields of `Encoder` in sensors.h.
 
-    They are adjacent, and missing from sample `begin` to before sample `end`; the sensor samples every `period` [s].
+    They are adjacent, and missing from sample `begin` to before sample `end`.
+
+    Args:
+        faults: Faults of the scenario.
+        pulses: Teeth of a wheel.
+        groups: Number of groups, each of which has a wheel.
+        period: Sampling period [s].
+        horizon: Maximum duration of the stop [s].
 
     Raises:
-        ScenarioError: The sensors have no pole wheels, or more teeth are missing than a wheel has.
+        ScenarioError: More teeth are missing than a wheel has.
     """
-    pulses = scenario.sensors.pulses
-    missing: list[dict[str, int]] = [{} for _ in range(formation.groups)]
-    for where, fault in iterate_faults(scenario, ToothFault):
-        if not pulses:
-            kind = scenario.sensors.kind
-            raise ScenarioError(f"{where} needs pole wheels, [sensors] kind 'service', and it is '{kind}'")
+    missing: list[dict[str, int]] = [{} for _ in range(groups)]
+    for where, fault in iterate_faults(faults, ToothFault):
         count = amount_of(fault.value, "1", where, fault.kind)
         if count != round(count):
             raise ScenarioError(f"{where} value is a number of teeth, got {count:g}")
         if count >= pulses:
             raise ScenarioError(f"{where} takes {count:g} teeth of {pulses}; for all of them, kind 'dead'")
-        for group in places(fault.group, formation.groups, where, "group"):
+        for group in places(fault.group, groups, where, "group"):
             if missing[group]:
                 raise ScenarioError(f"{where}: the pole wheel of group {group + 1} misses teeth twice; keep one fault")
-            missing[group] = {"missing": round(count), **fault.samples(scenario, period)}
+            missing[group] = {"missing": round(count), **fault.samples(period, horizon)}
     return missing

@@ -13,7 +13,6 @@ from railgrip.base.errors import ScenarioError
 from railgrip.kernel import kernel, rate_of
 from railgrip.scenario.faults import Fault
 from railgrip.scenario.schema import Scenario
-from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.signals import Layout
 
 _Kind = TypeVar("_Kind", bound=Fault)
@@ -92,15 +91,6 @@ class Faults:
             free_pressure=FREE, refill=refill,
         )  # fmt: skip
 
-    @property
-    def count(self) -> dict[str, int]:
-        """Number of faults of readings and of commands."""
-        return {name: len(rows) for name, rows in self._rows.items()}
-
-    def intervals(self, before: Mapping[str, int]) -> set[tuple[int, int]]:
-        """Return the first sample with each fault that was added after `before`, and the first one after it."""
-        return {(int(r["begin"]), int(r["end"])) for name, rows in self._rows.items() for r in rows[before[name] :]}
-
     def _add(self, changed: str, kind: str, ring: Vector | None, **numbers: float) -> None:
         row = self._kernel.records("Fault", 1)
         row["kind"], row["last"] = getattr(self._kernel.functions, kind.upper()), math.nan
@@ -115,38 +105,52 @@ class Faults:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
-    """The stop that a fault acts on.
+    """The stop that a fault acts on, for as long as the fault lasts.
 
     Attributes:
         scenario: Scenario of the stop.
         layout: Layout of the vectors of the loop.
         faults: Faults of single readings and commands, which a fault of the scenario adds to.
-        brakes: Nominal brake of each group.
         outputs: Names of the plant's outputs.
         valves: Whether the plant takes valve positions; else it takes pressures.
         number: Zero-based number of the fault in the scenario.
-        where: Opening words of error messages.
+        samples: The first sample with the fault, `begin`, and the first one after it, `end`.
     """
 
     scenario: Scenario
     layout: Layout
     faults: Faults
-    brakes: Sequence[Brake]
     outputs: frozenset[str]
     valves: bool
     number: int
-    where: str
+    samples: Mapping[str, int]
+
+    @property
+    def where(self) -> str:
+        """Opening words of error messages."""
+        return f"[faults[{self.number + 1}]]"
 
     def groups(self, number: int | None) -> range:
         """Return the zero-based groups that the fault affects."""
         return places(number, self.layout.formation.groups, self.where, "group")
 
+    def change_reading(self, kind: ReadingKind, place: int, value: float = 0.0, noise: Vector | None = None) -> None:
+        """Change the reading of a sensor; see `Faults.add_reading`."""
+        self.faults.add_reading(kind, place, value=value, noise=noise, **self.samples)
 
-def iterate_faults(scenario: Scenario, kind: type[_Kind]) -> Iterator[tuple[str, _Kind]]:
+    def change_command(
+        self, kind: CommandKind, group: int, *, value: float = 0.0, delay: int = 0, pressure: float = 0.0,
+        refill: float = 0.0,
+    ) -> None:  # fmt: skip
+        """Change the command to the brake of a group; see `Faults.add_command`."""
+        self.faults.add_command(kind, group, value=value, delay=delay, pressure=pressure, refill=refill, **self.samples)
+
+
+def iterate_faults(faults: Sequence[Fault], kind: type[_Kind]) -> Iterator[tuple[str, _Kind]]:
     """Yield the faults of a kind, each with the opening words of its error messages."""
-    for number, fault in enumerate(scenario.faults, start=1):
+    for number, fault in enumerate(faults, start=1):
         if isinstance(fault, kind):
-            yield f"{scenario.name}: [faults[{number}]]", fault
+            yield f"[faults[{number}]]", fault
 
 
 def places(number: int | None, count: int, where: str, what: str) -> range:
@@ -162,28 +166,20 @@ def places(number: int | None, count: int, where: str, what: str) -> range:
     return range(number - 1, number)
 
 
-def faults_of(
-    scenario: Scenario, layout: Layout, brakes: Sequence[Brake], *, outputs: frozenset[str], valves: bool
-) -> Faults | None:
+def faults_of(scenario: Scenario, layout: Layout, outputs: frozenset[str]) -> Faults | None:
     """Return the faults between plant, sensors and brakes; None for an intact train.
 
     Raises:
         ScenarioError: A fault does not fit this vehicle.
     """
-    every = Fraction(1, 1000) / Fraction(scenario.periods.communication).limit_denominator(10**9)
+    period, valves = scenario.periods.communication, scenario.actuation.kind == "pneumatic"
+    every = Fraction(1, 1000) / Fraction(period).limit_denominator(10**9)
     faults = Faults(layout, valves=valves, noise_rate=every)
     for number, fault in enumerate(scenario.faults):
-        before = faults.count
-        fault.act_on(
-            Site(
-                scenario=scenario, layout=layout, faults=faults, brakes=brakes, outputs=outputs, valves=valves,
-                number=number, where=f"{scenario.name}: [faults[{number + 1}]]",
-            )
+        samples = fault.samples(period, scenario.horizon)
+        site = Site(
+            scenario=scenario, layout=layout, faults=faults, outputs=outputs, valves=valves, number=number,
+            samples=samples,
         )  # fmt: skip
-        begin, end = fault.samples(scenario).values()
-        if not fault.lasts and any(first < begin or last > end for first, last in faults.intervals(before)):
-            raise ScenarioError(
-                f"{scenario.name}: [faults[{number + 1}]] has begin or end, but part '{fault.part}' of kind "
-                f"'{fault.kind}' ignores them and lasts for the whole stop; leave them out"
-            )
+        fault.act_on(site)
     return faults or None

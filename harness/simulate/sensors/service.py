@@ -16,7 +16,7 @@ from railgrip.scenario.onboard import SampledSensors, steps_between
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table, optional, table_error
-from railgrip.scenario.track import gravity_along, slope_of
+from railgrip.scenario.track import Track, gravity_along, slope_of
 from railgrip.simulate.faults.sensor import missing_teeth
 from railgrip.simulate.loop.interfaces import BLOCK, draw_block
 from railgrip.vehicle.signals import Layout
@@ -145,15 +145,15 @@ class Service(SampledSensors):
 
     def open(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> "ServiceSensors":
         """Return the sensors of a stop; errors that are constant over a stop are drawn here."""
-        communication, groups = scenario.periods.communication, layout.formation.groups
+        communication, groups, seed = scenario.periods.communication, layout.formation.groups, scenario.seed
         period, samples = communication * self.sampled_every(communication), self.samples_in(communication)
-        sampling, random, lot = period / samples, self.random(scenario, "noise"), self.random(scenario, "lot")
+        sampling, random, lot = period / samples, self.random(seed, "noise"), self.random(seed, "lot")
         speed, pressure, latency = self.speed, self.pressure, _in_samples(self.speed.latency, period)
         scale = speed.scale_error * float(lot.standard_normal())
-        factor = _speed_factor(speed, scale, period, scenario.horizon, self.random(scenario, "speed"))
+        factor = _speed_factor(speed, scale, period, scenario.horizon, self.random(seed, "speed"))
         bias = self.acceleration.bias * float(lot.standard_normal())
         offset, step = pressure.error * pressure.full_scale * lot.standard_normal(groups), pressure.step
-        missing = missing_teeth(scenario, layout.formation, sampling)
+        missing = missing_teeth(scenario.faults, self.wheel.pulses, groups, sampling, scenario.horizon)
         past, noise = np.empty(math.ceil(latency) + 1), np.empty((BLOCK, 2 + layout.formation.wheelsets))
         struct = kernel(layout).struct("Service", noise=noise, block=BLOCK, period=period, samples=samples,
             encoder=[encoder(layout, self.wheel, wheel_radius, sampling, random, **gap) for gap in missing],
@@ -163,7 +163,8 @@ class Service(SampledSensors):
             offset_steps=offset / step, pressure_step=step, pressure_share=sampling / (pressure.lag + sampling),
         )  # fmt: skip
         if self.acceleration.feels_gradient:
-            struct.set(gravity=_gravity(scenario, layout))
+            reach = scenario.start.speed * scenario.horizon
+            struct.set(gravity=_gravity(layout, scenario.track, scenario.truth.gradient, reach))
         if self.deflection.irregularity is not None:
             struct.set(**_rough_rail(scenario, self.deflection.irregularity, layout, period))
         deviation = [speed.noise, self.acceleration.noise] + [self.deflection.noise] * layout.formation.wheelsets
@@ -261,20 +262,25 @@ def _track_quantity(layout: Layout, begin: float, step: float, values: NDArray[n
     return kernel(layout).struct("TrackQuantity", values=values, begin=begin, step=step, count=values.size)
 
 
-def _gravity(scenario: Scenario, layout: Layout) -> Struct:
+def _gravity(layout: Layout, track: Track, gradient: float, reach: float) -> Struct:
     """Return the component of gravity along the track that an accelerometer reads, positive uphill.
 
     A change of slope is spread over 0.1 m.
+
+    Args:
+        layout: Layout of the vehicle.
+        track: Track of the scenario.
+        gradient: Slope in addition to those of the track.
+        reach: Distance that the train may cover [m].
     """
-    track, step = scenario.track, 0.1
-    begin, end = 0.0, max((begin for begin, _ in track.slopes), default=0.0)
-    end = min(end, scenario.start.speed * scenario.horizon)  # a line from a file may go on for long
+    step, begin = 0.1, 0.0
+    end = min(max((begin for begin, _ in track.slopes), default=0.0), reach)  # a line from a file may go on for long
     if (plan := track.plan) is not None:
         begin, end = sorted(plan.way * (edge - plan.start) for edge in (0.0, plan.alignment().length))
         step = 1.0
     places = np.arange(begin, end + 2.0 * step, step)
     slope = slope_of(track)
-    slopes = np.array([slope(min(place, end)) for place in places.tolist()]) + scenario.truth.gradient
+    slopes = np.array([slope(min(place, end)) for place in places.tolist()]) + gradient
     return _track_quantity(layout, begin, step, gravity_along(slopes))
 
 
@@ -297,7 +303,7 @@ def _rough_rail(scenario: Scenario, table: RailUnderWheels, layout: Layout, peri
     """
     if not layout.formation.wheelset_position:
         raise ScenarioError(
-            f"{scenario.name}: [sensors.deflection.irregularity] needs the positions of the wheelsets: give "
+            "[sensors.deflection.irregularity] needs the positions of the wheelsets: give "
             "[vehicle.formation] wheelset_position"
         )
     from scipy.signal import bilinear, lfilter

@@ -13,7 +13,7 @@ from railgrip.scenario.onboard import SampledSensors, steps_between
 from railgrip.scenario.quantity import Magnitude, UnitRange, in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Deviation, Duration, Period, Table
-from railgrip.scenario.track import gravity_along, slope_of
+from railgrip.scenario.track import Plan, Track, gravity_along, slope_of
 from railgrip.simulate.loop.interfaces import BLOCK, draw_block
 from railgrip.vehicle.signals import EXTRA_READINGS, READINGS, Layout, Signal
 
@@ -63,7 +63,7 @@ class White(SampledSensors):
         receiver = () if self.gnss is None else GNSS
         return frozenset((*self.noise, *self.bias, *self.scale, *receiver))
 
-    def extra_readings(self, scenario: Scenario, outputs: Collection[str]) -> tuple[Signal, ...]:
+    def extra_readings(self, outputs: Collection[str]) -> tuple[Signal, ...]:
         """Return the signals of the named quantities that other kinds of sensors do not read.
 
         Raises:
@@ -74,7 +74,7 @@ class White(SampledSensors):
         if unknown or absent:
             problem = f"there is no quantity {unknown[0]}" if unknown else f"the plant does not show {absent[0]}"
             choice = ", ".join(name for name in _ALL if name in outputs or name in _SOURCE)
-            raise ScenarioError(f"{scenario.name}: [sensors]: {problem}; there is {choice}")
+            raise ScenarioError(f"[sensors]: {problem}; there is {choice}")
         return tuple(signal for name, signal in _ALL.items() if name in self.named and signal in EXTRA_READINGS)
 
     def open(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> "WhiteSensors | TrackSensors":
@@ -85,7 +85,7 @@ class White(SampledSensors):
             for name, value in values.items():
                 if name not in layout.reading:
                     raise ScenarioError(
-                        f"{scenario.name}: [sensors] names '{name}', which this plant does not show; its sensors read "
+                        f"[sensors] names '{name}', which this plant does not show; its sensors read "
                         f"{', '.join(layout.reading)}"
                     )
                 vector[layout.reading[name]] = value
@@ -95,17 +95,22 @@ class White(SampledSensors):
             source, at = layout.output[_SOURCE.get(name, name)], layout.reading[name]
             return source.start + np.arange(at.stop - at.start) % (source.stop - source.start)
 
-        lot = self.random(scenario, "lot")
+        communication, lot = scenario.periods.communication, self.random(scenario.seed, "lot")
         white = WhiteSensors(
             np.concatenate([available(name) for name in layout.reading]),
             1.0 + each(self.scale) * lot.standard_normal(layout.readings),
-            each(_deviations(scenario, "bias", self.bias)) * lot.standard_normal(layout.readings),
-            each(_deviations(scenario, "noise", self.noise)),
-            self.random(scenario, "noise"),
-            self.samples_in(scenario.periods.communication),
+            each(_deviations("bias", self.bias)) * lot.standard_normal(layout.readings),
+            each(_deviations("noise", self.noise)),
+            self.random(scenario.seed, "noise"),
+            self.samples_in(communication),
         )
-        every = self.sampled_every(scenario.periods.communication)
-        return TrackSensors(white, layout, scenario, self, every) if _SOURCE.keys() & layout.reading.keys() else white
+        if not _SOURCE.keys() & layout.reading.keys():
+            return white
+        receiver = None
+        if self.gnss is not None and scenario.track.plan is not None:
+            period = communication * self.sampled_every(communication)
+            receiver = _Receiver(self.gnss, scenario.track.plan, period, self.random(scenario.seed, "gnss"))
+        return TrackSensors(white, layout, scenario.track, receiver)
 
 
 class WhiteSensors:
@@ -152,19 +157,17 @@ class WhiteSensors:
 class TrackSensors:
     """White sensors, accelerometers that read the gradient, and a GNSS receiver."""
 
-    def __init__(self, white: WhiteSensors, layout: Layout, scenario: Scenario, sensors: White, every: int) -> None:
-        """Add the effects of a scenario's track to `white`, which is read every `every` communication steps."""
-        self._white, self._slope = white, slope_of(scenario.track)
+    def __init__(self, white: WhiteSensors, layout: Layout, track: Track, receiver: "_Receiver | None") -> None:
+        """Add the effects of a track to `white`."""
+        self._white, self._slope, self._receiver = white, slope_of(track), receiver
         self._distance = layout.output["distance"].start
         self._along, self._position = layout.reading.get("acceleration_along"), slice(0, 0)
         formation = layout.formation
         behind = np.zeros(formation.wheelsets) if formation.position is None else formation.position
         # Each group has its accelerometer in the middle of its wheelsets.
         self._behind = [float(behind[members].mean()) for members in formation.members()]
-        self._receiver = None
-        if sensors.gnss is not None:
+        if receiver is not None:
             self._position = slice(layout.reading[GNSS[0]].start, layout.reading[GNSS[-1]].stop)
-            self._receiver = _Receiver(sensors.gnss, scenario, every, sensors.random(scenario, "gnss"))
 
     def read(self, sample: int, truth: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the reading of a sample; samples are read in order, from 0 on.
@@ -181,12 +184,9 @@ class TrackSensors:
 
 
 class _Receiver:
-    def __init__(self, table: Gnss, scenario: Scenario, every: int, random: np.random.Generator) -> None:
-        assert scenario.track.plan is not None  # the scenario has been checked
-        self._track, self._random = scenario.track.plan, random
-        self._plan = self._track.alignment().plan()
-        step = scenario.periods.communication
-        self._every = steps_between(table.period, step * every)
+    def __init__(self, table: Gnss, track: Plan, period: float, random: np.random.Generator) -> None:
+        self._track, self._plan, self._random = track, track.alignment().plan(), random
+        self._every = steps_between(table.period, period)
         self._keeps = math.exp(-table.period / table.wander_time)
         self._wander = self._random.standard_normal(3)
         self._wanders = np.array([table.horizontal_wander, table.horizontal_wander, table.height_wander])
@@ -214,8 +214,8 @@ class _Receiver:
         )
 
 
-def _deviations(scenario: Scenario, table: str, magnitudes: Mapping[str, Magnitude]) -> dict[str, float]:
-    where = f"{scenario.name}: [sensors.{table}]"
+def _deviations(table: str, magnitudes: Mapping[str, Magnitude]) -> dict[str, float]:
+    where = f"[sensors.{table}]"
     values = in_units(where, magnitudes, {name: signal.unit for name, signal in _ALL.items()})
     negative = next((name for name, value in values.items() if value < 0.0), None)
     if negative is not None:
