@@ -13,7 +13,7 @@ from railgrip.scenario.load import scenario_of
 from railgrip.scenario.surface import named_set
 from railgrip.simulate.creep_curves import CLEAN, curves, maxima
 from railgrip.simulate.creep_curves import SLIPS as STEADY_SLIPS
-from railgrip.simulate.ideal import held_stop
+from railgrip.simulate.ideal import tracking_stop
 from railgrip.simulate.run import run_stop
 from railgrip.studies.type_test.entrants import LIBRARY, entrants, train_of
 
@@ -127,11 +127,11 @@ def shortest_held(scenario: rg.Scenario, groups: int, held: Sequence[float]) -> 
     other.
     """
     slips = [1.0] * groups
-    distance = held_stop(scenario, slips).metrics.distance
+    distance = tracking_stop(scenario, slips=slips).metrics.distance
     for group in reversed(range(groups)):
         for slip in held:
             changed = [*slips[:group], slip, *slips[group + 1 :]]
-            other = held_stop(scenario, changed).metrics.distance
+            other = tracking_stop(scenario, slips=changed).metrics.distance
             if other < distance:
                 distance, slips = other, changed
     return distance, slips

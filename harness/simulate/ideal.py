@@ -6,8 +6,8 @@ In the stop of the ideal bound each group uses min(peak adhesion, brake limit, �
 brake limit while its wheelsets regain the speed that a slide took from them. No controller that keeps to α_max stops in
 a distance shorter by more than 0.1 %. No real controller reaches the bound, because pressure takes time to build up and
 the peak must be found first. Where slip cleans the rail, the bound is optimistic (`railgrip.simulate.contact`), and
-`held_stop` gives distances that a controller can reach. The train is integrated as a point mass; the physics comes from
-the plant:
+`tracking_stop` with given slips gives distances that a controller can reach. The train is integrated as a point mass;
+the physics comes from the plant:
 
 - peak adhesion from `RailBraking.FMUs.ContactPoint`, at the scenario's friction;
 - pad friction from `RailBraking.Components.GroupBrake`, the highest that a controller can have;
@@ -47,13 +47,11 @@ from railgrip.base.tables import TomlTable
 from railgrip.controllers.observation import Observation
 from railgrip.fmus.native import Model
 from railgrip.report.stop import Stop
-from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.profile import Constant
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle_table import TrainFile
 from railgrip.simulate.assembly import assemble, evaluate_stop
 from railgrip.simulate.contact import SLIPS_OF_TWO_MAXIMA, CleanedContact, with_energy
 from railgrip.simulate.loop.loop import Ending
@@ -83,7 +81,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     _require_known_rail(scenario)
     vehicle = VehicleData(scenario)
     formation, load, mass = vehicle.formation, vehicle.true.load, sum(vehicle.true.masses.tolist())
-    speeds, friction, resistance, other, transfer = full_braking(scenario, vehicle, progress)
+    speeds, friction, resistance, other, transfer = full_braking(vehicle, progress)
     period = scenario.periods.communication
     count = round(scenario.horizon / period) + 1
     time = np.arange(count, dtype=np.float64) * period
@@ -94,9 +92,11 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     pad_force = np.array([0.0 if b is None else b.pad_force(b.pressure_max) for b in vehicle.true.brakes])
     recorder = Recorder((*PLANT, *vehicle.layout.signals["input"]), formation, count)
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
-    speed, distance, acceleration = _first_guess(scenario, time)
+    speed, distance, acceleration = _first_guess(scenario.start.speed, time)
     contact, of_rail = _rail(vehicle)
-    pads, bound = pads_of(vehicle, contact, speeds, friction), None
+    # The parameters of plants of this library describe pads and discs.
+    is_known = vehicle.train is not None or vehicle.true.parameters.keys() >= _OF_PADS
+    pads, bound = PadLimits(vehicle, contact) if is_known else PadTable(speeds, friction), None
     for _ in range(_ROUNDS):
         at, rows = recorder.columns, recorder.rows
         _write_motion(recorder, distance, speed, acceleration)
@@ -139,8 +139,8 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
             break
     else:
         raise ScenarioError(
-            f"{scenario.name}: [controller] ideal_bound found no best stop in {_ROUNDS} rounds: friction changes "
-            f"too much over {period:g} s; shorten [periods] communication"
+            f"[controller] ideal_bound found no best stop in {_ROUNDS} rounds: friction changes too much over "
+            f"{period:g} s; shorten [periods] communication"
         )
     if isinstance(contact, CleanedContact):
         here, slip = contact_at(contact.friction, bound), bound["peak_slip"].values[:, groups]
@@ -160,15 +160,15 @@ def _require_known_rail(scenario: Scenario) -> None:
     """Raise an error for a rail whose change by slip depends on more than the place."""
     if scenario.sanders:
         raise ScenarioError(
-            f"{scenario.name}: [controller] ideal_bound is the best stop on a known rail, and with [[sanders]] the "
-            "friction at a wheelset depends on the sand that those ahead left: remove one of them"
+            "[controller] ideal_bound is the best stop on a known rail, and with [[sanders]] the friction at a "
+            "wheelset depends on the sand that those ahead left: remove one of them"
         )
     adhesion = scenario.adhesion
     if adhesion.cleaning is not None and not isinstance(adhesion, Constant) and not scenario.runs_over_distance:
         raise ScenarioError(
-            f"{scenario.name}: [controller] ideal_bound takes friction over distance where slip cleans the rail, "
-            "because a place is then cleaned before a wheelset reaches it: leave out [adhesion.recovery], or give the "
-            'friction over = "distance"'
+            "[controller] ideal_bound takes friction over distance where slip cleans the rail, because a place is then "
+            "cleaned before a wheelset reaches it: leave out [adhesion.recovery], or give the friction "
+            'over = "distance"'
         )
 
 
@@ -190,7 +190,7 @@ def _rail(vehicle: VehicleData) -> tuple[Contact, Callable[[xarray.Dataset], xar
 
 
 def full_braking(
-    scenario: Scenario, vehicle: VehicleData, progress: Callable[[float], None] | None = None
+    vehicle: VehicleData, progress: Callable[[float], None] | None
 ) -> tuple[Array, Array, Array, Array, Array]:
     """Return brakes, resistance and load transfer of a train, from a stop on its track without slides.
 
@@ -199,13 +199,13 @@ def full_braking(
         there, shape (k,) [N]; torque of other brakes on the wheelsets of each group there, shape (k, groups) [N.m];
         load that a wheelset gains with the deceleration, shape (wheelsets,) [kg].
     """
-    with assemble(_full_brake(scenario)) as parts:
+    with assemble(_full_brake(vehicle.scenario)) as parts:
         reference = parts.stop(parts.run(progress))
-    truth = reference.trace.isel(time=slice(round(_BUILD_UP / scenario.periods.communication), None))
+    truth = reference.trace.isel(time=slice(round(_BUILD_UP / vehicle.scenario.periods.communication), None))
     if reference.outcome is not Outcome.STANDSTILL or truth.sizes["time"] < 2:
         raise ScenarioError(
-            f"{scenario.name}: [controller] ideal_bound takes the brakes from a stop with full brake on a rail of "
-            f"friction {_GRIPPY:g}, which ended with {reference.outcome.value}: {reference.reason}"
+            f"[controller] ideal_bound takes the brakes from a stop with full brake on a rail of friction {_GRIPPY:g}, "
+            f"which ended with {reference.outcome.value}: {reference.reason}"
         )
     order = np.argsort(truth["speed"].values)
     rail_force = np.sum(truth["adhesion"].values * truth["wheelset_load"].values, axis=1)
@@ -321,30 +321,24 @@ _RATE = 10.0  # 1/s; valves fill and vent within some tenths of a second, and th
 _BELOW = 0.9  # of the slip of the peak; on published curves there is 99 % of its adhesion
 
 
-def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Stop:
+def tracking_stop(
+    scenario: Scenario, progress: Callable[[float], None] | None = None, slips: Sequence[float] = ()
+) -> Stop:
     """Return the stop of a controller that knows the true state, with the actuation and the faults of the scenario.
+
+    Args:
+        scenario: Scenario of the stop.
+        progress: Called with the train speed [m/s] at intervals.
+        slips: Slip of each group to hold, 1 for locked wheels; without them the optimum.
 
     Raises:
         ScenarioError: The scenario requires something that its parts cannot do, or the plant does not output its
             brakes.
     """
-    return _stop_of_tracking(scenario, (), progress)
-
-
-def held_stop(scenario: Scenario, slips: Sequence[float]) -> Stop:
-    """Return the stop of a controller that knows the true state and holds a slip of each group, 1 for locked wheels.
-
-    Raises:
-        ScenarioError: As for `tracking_stop`.
-    """
-    return _stop_of_tracking(scenario, slips, None)
-
-
-def _stop_of_tracking(scenario: Scenario, slips: Sequence[float], progress: Callable[[float], None] | None) -> Stop:
     if VehicleData(scenario).dynamic_limits:
         raise ScenarioError(
-            f"{scenario.name}: [controller] ideal_tracking computes pressures of friction brakes alone, but "
-            "[dynamic_brakes] of the train file brake, too; use ideal_bound"
+            "[controller] ideal_tracking computes pressures of friction brakes alone, but [dynamic_brakes] of the "
+            "train file brake, too; use ideal_bound"
         )
     faults = [fault.model_dump(mode="json") for fault in scenario.faults if fault.part not in READ_BY]
     with assemble(_bare(scenario, {"faults": faults})) as parts:
@@ -385,8 +379,8 @@ def _end(speed: Array, stop_speed: float) -> int:
     return int(np.argmax(speed <= stop_speed))
 
 
-def _first_guess(scenario: Scenario, time: Array) -> tuple[Array, Array, Array]:
-    speed = np.maximum(scenario.start.speed - 0.8 * time, 0.0)
+def _first_guess(start: float, time: Array) -> tuple[Array, Array, Array]:
+    speed = np.maximum(start - 0.8 * time, 0.0)
     return speed, np.concatenate([[0.0], np.cumsum(speed[:-1]) * (time[1] - time[0])]), np.full(len(time), -0.8)
 
 
@@ -417,6 +411,9 @@ _OF_GROUP = {
 }  # fmt: skip
 _OF_DISC = {"disc.m": "m_disc", "disc.m_surface": "m_disc_surface", "disc.c_p": "c_disc", "disc.G": "G_disc"}
 """Parameter of `RailBraking.Components.GroupBrake` → that of the plant, where the names differ."""
+
+_OF_PADS = {"mu_b_start[1]", "speed_effect", "m_disc"}
+"""Parameters of plants whose pads and discs are known."""
 
 _OF_LAW = {
     "pad.F_upper": "force_upper", "pad.F_lower": "force_lower", "pad.v_upper": "speed_upper",
@@ -516,33 +513,17 @@ class PadLimits:
         return np.stack([peak_slip, *torques]).transpose(2, 0, 1)
 
 
-def pads_of(vehicle: VehicleData, contact: Contact, speeds: Array, friction: Array) -> PadLimits | PadTable:
-    """Return the limits of a plant of this library, whose parameters describe pads and discs, else the table.
-
-    Args:
-        vehicle: Vehicle of the plant.
-        contact: Contact on the rail of the bound.
-        speeds: Rising speeds of the table, shape (k,) [m/s].
-        friction: Pad friction there, shape (k, groups).
-    """
-    is_file = isinstance(vehicle.scenario.vehicle.source, TrainFile)
-    is_known = is_file or {"mu_b_start[1]", "speed_effect", "m_disc"} <= vehicle.true.parameters.keys()
-    return PadLimits(vehicle, contact) if is_known else PadTable(speeds, friction)
-
-
 def _model(vehicle: VehicleData, group: int) -> Model:
     """Return the class of the brake units of a group, with pads or with blocks."""
-    source = vehicle.scenario.vehicle.source
-    has_blocks = isinstance(source, TrainFile) and load_train(source.file.path).bogie_of(group).brake.blocks
+    has_blocks = vehicle.train is not None and vehicle.train.bogie_of(group).brake.blocks
     return compile_class(f"RailBraking.Components.{'TreadBrake' if has_blocks else 'GroupBrake'}")
 
 
 def _parameters(vehicle: VehicleData, group: int) -> list[float]:
     """Return the parameters of the class for a group."""
-    plant, source = vehicle.true.parameters, vehicle.scenario.vehicle.source
-    pads: Mapping[str, float] = {}
-    if isinstance(source, TrainFile):
-        bogie = load_train(source.file.path).bogie_of(group)
+    plant, pads = vehicle.true.parameters, dict[str, float]()
+    if vehicle.train is not None:
+        bogie = vehicle.train.bogie_of(group)
         pads = bogie.pads.model_dump() | {name: getattr(bogie.law, name) for name in _OF_LAW.values()}
     values: list[float] = []
     for parameter in _model(vehicle, group).parameters:

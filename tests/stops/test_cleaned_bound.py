@@ -13,7 +13,7 @@ from railgrip.scenario.file import merge
 from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.surface import Recovery
 from railgrip.simulate.contact import SLIPS_OF_TWO_MAXIMA, CleanedContact, with_energy
-from railgrip.simulate.ideal import held_stop
+from railgrip.simulate.ideal import tracking_stop
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.bound import peak
@@ -169,7 +169,7 @@ def test_no_held_slip_is_shorter_than_the_bound_of_the_named_case():
     """The dry curve of low friction, cleaned: groups with locked wheels, and the last one below the first maximum."""
     bound = run_stop(scenario(WRITTEN, "controller.kind=ideal_bound").revised(COARSE)).metrics.distance
     locked, mixed = (
-        held_stop(scenario(WRITTEN), slips).metrics.distance for slips in ([1.0] * 4, [1.0, 1.0, 1.0, 0.02])
+        tracking_stop(scenario(WRITTEN), slips=slips).metrics.distance for slips in ([1.0] * 4, [1.0, 1.0, 1.0, 0.02])
     )
     assert bound < mixed < locked
     assert mixed < 1.15 * bound
