@@ -216,11 +216,11 @@ class Driver:
         )  # fmt: skip
 
 
-def driver_of(layout: Layout, demand: Demand, period: float, *, binding: bool, origin: str) -> Driver:
+def driver_of(layout: Layout, demand: Demand, period: float, *, binding: bool) -> Driver:
     """Return the driver who follows a demand with the nominal brakes of a layout; arguments are those of both."""
     full = layout.formation.pressure_max
     release_pressure = np.array([brake.pressure_of(0.0) for brake in layout.formation.brakes])
-    phases = phases_of(layout, demand, full.tolist(), origin)
+    phases = phases_of(layout, demand, full.tolist())
     return Driver(layout, period, full=full, release_pressure=release_pressure, phases=phases, binding=binding)
 
 
@@ -232,26 +232,25 @@ def blank_phases(layout: Layout, count: int) -> Phases:
     return phases
 
 
-def phases_of(layout: Layout, demand: Demand, full: Sequence[float], origin: str) -> Phases:
+def phases_of(layout: Layout, demand: Demand, full: Sequence[float]) -> Phases:
     """Return the phases of a demand.
 
     Args:
         layout: Layout of the vehicle.
         demand: Table of the scenario.
         full: Pressure of full brake, shape (groups,) [Pa]; pressures are limited to it.
-        origin: Name of the scenario, with which messages begin.
 
     Raises:
         ScenarioError: The demand gives pressures for another number of groups, or above the maximum of a brake.
     """
     if demand.file is not None:
-        return _phases_of_profile(layout, demand, full, f"{origin}: [demand] file {demand.file.entry}")
+        return _phases_of_profile(layout, demand, full, f"[demand] file {demand.file.entry}")
     phases, rate = blank_phases(layout, len(demand.phases)), inf
     for number, (row, phase) in enumerate(zip(phases, demand.phases, strict=True), start=1):
         if phase.until is not None:
             row["until"], row["end"] = _end(layout, phase.until.kind), phase.until.value
         if phase.pressure is not None:
-            row["pressure"] = _of_groups(phase.pressure, full, f"{origin}: [demand.phases[{number}]] pressure")
+            row["pressure"] = _of_groups(phase.pressure, full, f"[demand.phases[{number}]] pressure")
         if (aim := phase.stop_at) is not None:
             row["target"], row["deceleration"] = aim.distance, aim.deceleration
             row["full_deceleration"] = aim.full_deceleration

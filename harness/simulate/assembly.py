@@ -1,6 +1,6 @@
 """The parts of a scenario's stop, open and ready for a loop."""
 
-from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -105,13 +105,17 @@ class StopAssembly:
         # A plant that fails to start leaves one row, which must not show the old contents of the memory.
         self.recorder.rows[self.recorder.written : 1] = np.nan
         stop = evaluate_stop(self.vehicle, self.recorder, ending, self.fmus)
+        controller = self.parts.controller
+        stepped = (self.parts.plant, controller.fmu if isinstance(controller, ForeignController) else None)
         return replace(
             stop,
             classes=self.classes,
             reason=stop.reason + self.limits.sentence(-(-ending.samples // self.parts.clock.controller)),
             limited_demands=self.limits.limited,
             remarks=self.remarks_on(stop),
-            fmu_warnings={fmu.file: fmu.warnings for fmu in self._steppers() if fmu.warnings},
+            fmu_warnings={
+                part.file: part.warnings for part in stepped if isinstance(part, SteppedPlant) and part.warnings
+            },
         )
 
     def remarks_on(self, stop: Stop) -> tuple[str, ...]:
@@ -121,13 +125,6 @@ class StopAssembly:
         scenario, metrics = self.vehicle.scenario, stop.metrics
         late = remarks_after(scenario, metrics.duration, metrics.distance_travelled)
         return *self.remarks, *late, *remarks_on_use(scenario, metrics)
-
-    def _steppers(self) -> Iterator[SteppedPlant]:
-        """Yield the FMUs that are stepped."""
-        controller = self.parts.controller
-        for part in (self.parts.plant, controller.fmu if isinstance(controller, ForeignController) else None):
-            if isinstance(part, SteppedPlant):
-                yield part
 
 
 @contextmanager
@@ -173,7 +170,6 @@ def assemble(
         limits = DemandLimits(formation, law.place if is_object else "The controller")
         is_limited = not commands_valves and not isinstance(controller, Sampled)
         _require_estimates(scenario, controller, estimates)
-        _require_demand(scenario, commands_valves=commands_valves)
         states = law_states(controller)
         of_controller = (*(() if commands_valves else CONTROLLER_DEMAND), *(() if states is None else states.signals))
         signals = _signals(vehicle, of_controller, filter_, estimates)
@@ -190,13 +186,7 @@ def assemble(
             full=formation.pressure_max,
             driver=None
             if scenario.demand is None
-            else driver_of(
-                layout,
-                scenario.demand,
-                clock.period,
-                binding=not exceeds_driver(scenario),
-                origin=scenario.name,
-            ),
+            else driver_of(layout, scenario.demand, clock.period, binding=not exceeds_driver(scenario.controller)),
             faults=faults_of(scenario, layout, vehicle.outputs),
             wheel_radius=radius,
             law=states,
@@ -246,21 +236,13 @@ def _signals(
     )
 
 
-def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
-    if commands_valves and scenario.demand is not None:
-        raise ScenarioError(
-            f"{scenario.name}: [demand] limits the pressures that a controller demands, but the FMU of [controller] "
-            "commands the valves instead; leave out [demand], or name an FMU whose output is the demand [Pa]"
-        )
-
-
 def _require_estimates(scenario: Scenario, controller: LoopController, estimates: Collection[str]) -> None:
     missing = [name for name in getattr(controller, "needs", ()) if name not in estimates]
     if missing:
         choice = ", ".join(sorted(estimates)) or "nothing"
         raise ScenarioError(
-            f"{scenario.name}: [controller] '{scenario.controller.kind}' needs estimates of {' and '.join(missing)}, "
-            f"[estimator] '{scenario.estimator.kind}' provides {choice}"
+            f"[controller] '{scenario.controller.kind}' needs estimates of {' and '.join(missing)}, [estimator] "
+            f"'{scenario.estimator.kind}' provides {choice}"
         )
 
 

@@ -28,6 +28,7 @@ from railgrip.scenario.vehicle_table import (
     RecipePlant,
     TrainFile,
 )
+from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.loop.interfaces import LoopPlant
 from railgrip.simulate.named_models import is_trusted, parameters_of
 from railgrip.simulate.plant_trial import (
@@ -41,7 +42,6 @@ from railgrip.simulate.plant_trial import (
 )
 from railgrip.simulate.user_parts import NEEDED, CustomPlant
 from railgrip.simulate.vehicle_data import Opening, VehicleData
-from railgrip.trace.bound import Contact
 from railgrip.vehicle.formation import carried_mass
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
 from railgrip.vehicle.signals import CURVE, Layout, Signal, plant_inputs
@@ -130,7 +130,7 @@ def fmu_plant(stop: Opening) -> LoopPlant:
         period=scenario.periods.communication,
         span=(scenario.plant_begin, scenario.horizon),
         parameters=values if table.nudge is None else values | perturb_parameters(values, description, table.nudge),
-        trusted=is_trusted(scenario),
+        trusted=is_trusted(scenario.vehicle),
         limits=scenario.limits.fmu,
     )
     if isinstance(source, FmuFile) and table.trust:
@@ -166,24 +166,19 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: LoopPlant, paramet
     Raises:
         FmuError: Radius or curve differ.
     """
-    scenario, layout, file = vehicle.scenario, vehicle.layout, vehicle.file.file.name
+    scenario, layout = vehicle.scenario, vehicle.layout
     groups = layout.formation.groups
     ideal = scenario.actuation.kind == "ideal"
     brake = tuple(group.pressure_max if ideal else 1.0 for group in vehicle.nominal.formation.brakes)
     curve = dict(zip(scenario.adhesion.polach.plant_parameters(), vehicle.curves[0].tolist(), strict=True))
     rows = probe_outputs(plant, layout, period=scenario.periods.communication, brake=brake, curve=curve)
     radii = [parameters.get(f"r_wheel[{g + 1}]", parameters.get("r_wheel")) for g in range(groups)]
-    known = tuple(radius for radius in radii if radius is not None)
+    known = [radius for radius in radii if radius is not None]
     if len(known) < groups:
         return
-    require_radius(file, layout, rows, known, parameters.get("v_small", V_SMALL))
+    _require_radius(vehicle, rows, known, parameters.get("v_small", V_SMALL))
     if isinstance(scenario.vehicle.source, LibraryPlant):
-        # A wheel on a roller contacts it like a smaller wheel on a rail: their curvatures add.
-        bend = 1.0 / parameters["r_roller"] if "r_roller" in parameters else 0.0
-        contacts = tuple(
-            vehicle.contact_with({**parameters, **curve, "r_wheel": radius / (1.0 + radius * bend)}) for radius in known
-        )
-        require_curve(file, layout, rows, known, contacts, curve)
+        _require_curve(vehicle, rows, known, {**parameters, **curve})
 
 
 def require_python_plant(vehicle: VehicleData, plant: CustomPlant) -> CustomPlant:
@@ -321,12 +316,11 @@ def probe_outputs(
     return np.array(rows)
 
 
-def require_radius(file: str, layout: Layout, rows: Matrix, expected: tuple[float, ...], v_small: float) -> None:
+def _require_radius(vehicle: VehicleData, rows: Matrix, expected: Sequence[float], v_small: float) -> None:
     """Compare the radius of each group's contacts with the expected one [m].
 
     Args:
-        file: Name of the FMU.
-        layout: Layout of the plant's vectors.
+        vehicle: Vehicle of the plant.
         rows: Outputs of the plant, one row per sample.
         expected: Expected radius of each group [m].
         v_small: Speed below which slip is regularised [m/s].
@@ -334,56 +328,54 @@ def require_radius(file: str, layout: Layout, rows: Matrix, expected: tuple[floa
     Raises:
         FmuError: A radius differs.
     """
-    first = rows[0]
-    v, w, slip = (first[layout.output[name]] for name in ("speed", "wheelset_speed", "slip"))
+    v, w, slip = (rows[0, vehicle.layout.output[name]] for name in ("speed", "wheelset_speed", "slip"))
     if not np.all(w > 0.0):
         return  # at rest no speed reveals a radius; the same FMU is checked when it starts moving
     found = (v - slip * np.sqrt(v**2 + v_small**2)) / w
     for g, (here, there) in enumerate(zip(found.tolist(), expected, strict=True)):
         if abs(here / there - 1.0) > RADIUS_TOLERANCE:
             raise FmuError(
-                f"{file}: the contacts of group {g + 1} have a wheel radius of {here:.6g} m by slip[{g + 1}], speed "
-                f"and wheelset_speed[{g + 1}], its parameter r_wheel is {there:.6g} m; {_ADVICE}"
+                f"{vehicle.file.file.name}: the contacts of group {g + 1} have a wheel radius of {here:.6g} m by "
+                f"slip[{g + 1}], speed and wheelset_speed[{g + 1}], its parameter r_wheel is {there:.6g} m; {_ADVICE}"
             )
 
 
-def require_curve(
-    file: str,
-    layout: Layout,
-    rows: Matrix,
-    radii: Sequence[float],
-    contacts: tuple[Contact, ...],
-    curve: Mapping[str, float],
-) -> None:
+def _require_curve(vehicle: VehicleData, rows: Matrix, radii: Sequence[float], parameters: Mapping[str, float]) -> None:
     """Compare the adhesion of each wheelset with that of the expected creep curve.
 
     Args:
-        file: Name of the FMU.
-        layout: Layout of the plant's vectors.
+        vehicle: Vehicle of the plant.
         rows: Outputs of the plant on the rail of the probe, one row per sample.
         radii: Radius of each group [m].
-        contacts: Contact law of each group, with the expected curve.
-        curve: Expected curve, by the names of the plant's parameters.
+        parameters: Parameters of the plant, with the expected curve.
 
     Raises:
         FmuError: The curve differs.
     """
-    group_of = np.repeat(np.arange(layout.formation.groups), layout.formation.wheelsets_per_group)
+    layout = vehicle.layout
+    # A wheel on a roller contacts it like a smaller wheel on a rail: their curvatures add.
+    bend = 1.0 / parameters["r_roller"] if "r_roller" in parameters else 0.0
+    contacts = [
+        compiled_contact(*vehicle.contact_arguments({**parameters, "r_wheel": radius / (1.0 + radius * bend)}))
+        for radius in radii
+    ]
     speed = rows[:, layout.output["speed"]][:, 0]
     slip, adhesion, load = (rows[:, layout.output[name]] for name in ("slip", "adhesion", "wheelset_load"))
     # In a long train the front brakes before the rear, and each car has its own speed, by its wheels unless they lock.
     rolling = slip < 0.5
     of_car = rows[:, layout.output["wheelset_speed"]] * np.array(radii) / (1.0 - np.where(rolling, slip, 0.0))
     of_car = np.where(rolling, of_car, speed[:, np.newaxis])
-    for i, g in enumerate(group_of):
+    for i, g in enumerate(layout.formation.group_of_wheelset):
         rail = np.full(len(rows), _RAIL)
         expected = contacts[g](slip[:, g], of_car[:, g], load[:, i], rail)
         # At walking pace the regularisation of the slip matters, and a probe from there does not reveal the curve.
         error = np.where(speed > _WALKING, np.abs(adhesion[:, i] - expected), 0.0)
         worst = int(np.argmax(error))
         if error[worst] > ADHESION_TOLERANCE * _RAIL:
-            values = ", ".join(f"{name} = {value:g}" for name, value in curve.items())
+            names = vehicle.scenario.adhesion.polach.plant_parameters()
+            values = ", ".join(f"{name} = {parameters[name]:g}" for name in names)
             raise FmuError(
-                f"{file}: adhesion[{i + 1}] is {adhesion[worst, i]:.6g} at slip {slip[worst, g]:.4g} and mu0 "
-                f"{_RAIL:g}, by the creep curve of the scenario ({values}) it is {expected[worst]:.6g}; {_ADVICE}"
+                f"{vehicle.file.file.name}: adhesion[{i + 1}] is {adhesion[worst, i]:.6g} at slip {slip[worst, g]:.4g} "
+                f"and mu0 {_RAIL:g}, by the creep curve of the scenario ({values}) it is {expected[worst]:.6g}; "
+                f"{_ADVICE}"
             )

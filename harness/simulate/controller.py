@@ -33,13 +33,13 @@ from railgrip.controllers.train_level import (
 from railgrip.controllers.valves import BAND, PULSE_MIN, ValveLogic, ValveModel
 from railgrip.fmi import Binding, Description, bind, foreign_code, open_plant
 from railgrip.scenario.onboard import BuiltInLaw as LawTable
-from railgrip.scenario.onboard import ControllerFmu, KalmanFilter
+from railgrip.scenario.onboard import Controller, ControllerFmu, KalmanFilter
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.interfaces import LawStates, LoopController, LoopPlant
 from railgrip.simulate.named_models import description_of_file, require_role, units_of
 from railgrip.simulate.user_parts import FormulaLaw, call_user_code
-from railgrip.simulate.vehicle_data import Opening, VehicleData, law_named
+from railgrip.simulate.vehicle_data import Opening, VehicleData, law_exceeds_driver, law_named
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.parameters import units_of_nominal_data
 from railgrip.vehicle.signals import CONTROLLER_DEMAND, OBSERVATION, ONLY_ESTIMATED, Signal, of_law
@@ -126,11 +126,6 @@ def order_mistake(changes: NDArray[np.float64]) -> str:
                 "the order of groups, from the leading one on, in its inputs and its output"
             )
     return ""
-
-
-def is_deaf(changes: NDArray[np.float64]) -> bool:
-    """Return whether no slide changed any decision."""
-    return bool(np.all(np.abs(changes) < _LOWERED))
 
 
 _DECISIONS = (*CONTROLLER_DEMAND, Signal("command", "group", "1", "command to the valves: -1 vent, 0 hold, 1 fill"))
@@ -285,6 +280,11 @@ def open_controller(
         )
     controller, commands_valves = stop.stack.enter_context(opening(stop.notify)), gives == "command"
     given = [key for key in ("redistribute", "release_max") if getattr(table, key)]
+    if commands_valves and scenario.demand is not None:
+        raise ScenarioError(
+            f"{scenario.name}: [demand] limits the pressures that a controller demands, but {name} commands the valves "
+            "instead; leave out [demand], or name an FMU whose output is the demand [Pa]"
+        )
     if commands_valves and given:
         raise ScenarioError(
             f"{scenario.name}: [controller] {' and '.join(given)} cannot change pressures: {name} commands the valves; "
@@ -304,7 +304,7 @@ def _try_controller(stop: Opening, law: ForeignController, name: str, has_estima
     where = f"{scenario.name}: [controller.map]"
     if words := order_mistake(changes):
         raise ScenarioError(f"{where} does not fit {name}: in a short run it {words}.")
-    if is_deaf(changes):
+    if np.all(np.abs(changes) < _LOWERED):
         stop.notify(
             f"{where}: in a short run {name} changed no pressure while wheels slid by 60 %; if it protects from "
             "sliding, look at units and signs of its inputs."
@@ -320,10 +320,9 @@ def controller_of(vehicle: VehicleData, own: FormulaLaw | None = None) -> LoopCo
     return _add_train_level(vehicle, _built_in_law(vehicle) if own is None else _own_law(vehicle, own))
 
 
-def exceeds_driver(scenario: Scenario) -> bool:
+def exceeds_driver(table: Controller) -> bool:
     """Return whether the controller applies the driver's demand itself, and commands are not limited to it."""
-    law = law_named(scenario.controller.kind)
-    return getattr(scenario.controller, "redistribute", False) or (law is not None and law.exceeds_driver)
+    return table.redistribute or law_exceeds_driver(table.kind)
 
 
 def train_level_of(vehicle: VehicleData) -> Law | None:
@@ -346,7 +345,7 @@ def _add_train_level(vehicle: VehicleData, law: Law) -> Law:
                 f"{scenario.name}: [controller] redistribute asks single groups for more, groups_per_valve is "
                 f"{list(valves)}: a valve gives all its groups the same; leave out redistribute"
             )
-        if exceeds_driver(scenario.revised({"controller": {"redistribute": False}})):
+        if law_exceeds_driver(table.kind):
             raise ScenarioError(f"{scenario.name}: [controller] redistribute is part of {table.kind}; leave it out")
         if scenario.demand is None:
             raise ScenarioError(

@@ -25,7 +25,16 @@ from railgrip.fmus.recipe import FmiType, read_recipes
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import BOOLEAN
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle_table import FmuFile, LibraryClass, ModelicaPlant, PythonClass, RecipePlant, TrainFile
+from railgrip.scenario.vehicle_table import (
+    FmuFile,
+    LibraryClass,
+    ModelicaPlant,
+    PythonClass,
+    RecipePlant,
+    Source,
+    TrainFile,
+    Vehicle,
+)
 from railgrip.vehicle.signals import CURVE
 
 
@@ -220,7 +229,7 @@ def plant_description(scenario: Scenario) -> Description:
     """
     adhesion, detailed = scenario.adhesion, scenario.truth.mechanics == "detailed"
     rail = _Rail(curved=len(adhesion.curves) > 1, temperature_loss=adhesion.polach.temperature_loss, detailed=detailed)
-    if detailed and not has_contacts_of_library(scenario):
+    if detailed and not has_contacts_of_library(scenario.vehicle.source):
         raise ScenarioError(
             f"{scenario.name}: [truth] mechanics = 'detailed' needs the two-part train, the wagon or a train file; "
             "leave it out"
@@ -247,13 +256,11 @@ def plant_description(scenario: Scenario) -> Description:
             )  # fmt: skip
 
 
-def has_contacts_of_library(scenario: Scenario) -> bool:
-    """Return whether contacts and shafts of a scenario's plant are built-in and can be replaced."""
-    match scenario.vehicle.source:
-        case RecipePlant(name):
-            return name in shelf("trains") or read_recipes().recipes[name].curve
-        case source:
-            return isinstance(source, TrainFile)
+def has_contacts_of_library(source: Source) -> bool:
+    """Return whether contacts and shafts of a plant are built-in and can be replaced."""
+    if isinstance(source, RecipePlant):
+        return source.name in shelf("trains") or read_recipes().recipes[source.name].curve
+    return isinstance(source, TrainFile)
 
 
 def prediction_model(model: str, library: NamedFile | None = None) -> Model:
@@ -293,13 +300,13 @@ def consist_description(source: Path, interface: FmiType = "me") -> Description:
     return description_of(_class_file(source.stem, source, source.parent.name, interface))
 
 
-def is_trusted(scenario: Scenario) -> bool:
+def is_trusted(vehicle: Vehicle) -> bool:
     """Return whether the plant may be loaded into this process: it was compiled here, or the scenario declares trust.
 
     Modelica sources that a user names are compiled on this machine, by either compiler; only a prebuilt binary is code
     from elsewhere.
     """
-    return isinstance(scenario.vehicle.source, ModelicaPlant) or scenario.vehicle.trust
+    return isinstance(vehicle.source, ModelicaPlant) or vehicle.trust
 
 
 def parameters_of(description: Description) -> dict[str, float]:

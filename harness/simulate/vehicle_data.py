@@ -39,7 +39,7 @@ from railgrip.scenario.vehicle_table import (
     RecipePlant,
     TrainFile,
 )
-from railgrip.simulate.contact import compiled_contact, contact_header
+from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.faults.brake import isolated_groups, isolated_units
 from railgrip.simulate.loop.plausible import UNBOUNDED, Slowing, slowing_of
 from railgrip.simulate.named_models import (
@@ -494,8 +494,8 @@ class VehicleData:
     @property
     def _demanded(self) -> tuple[Signal, ...]:
         """Inputs of the plant for demands; without [demand] and a law with one of its own it is an emergency brake."""
-        law, has_demand = law_named(self.scenario.controller.kind), self.scenario.demand is not None
-        exceeds_driver = law is not None and law.exceeds_driver
+        has_demand = self.scenario.demand is not None
+        exceeds_driver = law_exceeds_driver(self.scenario.controller.kind)
         possible = (*(MAGNETS if has_demand or exceeds_driver else ()),
                     *(BRAKE_DEMAND if has_demand and not exceeds_driver else ()))  # fmt: skip
         return tuple(signal for signal in possible if signal.name in self.file.names("input"))
@@ -526,25 +526,20 @@ class VehicleData:
 
         Where friction falls with temperature, treads are as cold as the rail.
         """
-        return self.contact_with(self._contact_parameters)
+        return compiled_contact(*self.contact_arguments())
 
-    @cached_property
-    def contact_header(self) -> str:
-        """C code of `contact`; see `railgrip.simulate.contact.contact_header`."""
-        return contact_header(*self._contact_arguments(self._contact_parameters))
+    def contact_arguments(
+        self, parameters: Mapping[str, float] | None = None
+    ) -> tuple[Model, dict[str, float], dict[str, float]]:
+        """Return the arguments of `railgrip.simulate.contact.compiled_contact`.
 
-    def contact_with(self, parameters: Mapping[str, float]) -> Contact:
-        """Return the contact with those of the plant's parameters that it has."""
-        return compiled_contact(*self._contact_arguments(parameters))
-
-    @property
-    def _contact_parameters(self) -> dict[str, float]:
-        polach = self.scenario.adhesion.polach
-        curve = dict(zip(polach.plant_parameters(), self.curves[0].tolist(), strict=True))
-        return polach.contact_parameters() | self.changes | curve
-
-    def _contact_arguments(self, parameters: Mapping[str, float]) -> tuple[Model, dict[str, float], dict[str, float]]:
+        Args:
+            parameters: Parameters of the plant, of which the contact has some; None for those of the scenario.
+        """
         polach, detailed = self.scenario.adhesion.polach, self.scenario.truth.mechanics == "detailed"
+        if parameters is None:
+            curve = dict(zip(polach.plant_parameters(), self.curves[0].tolist(), strict=True))
+            parameters = polach.contact_parameters() | self.changes | curve
         law = "Heated" if polach.temperature_loss else "Simplified" if detailed else ""
         model, shape = compile_class(f"RailBraking.FMUs.{law}ContactPoint"), polach.plant_parameters()
         names = {variable.name for variable in model.parameters} - shape.keys()
@@ -577,6 +572,12 @@ class Opening:
 def law_named(kind: str) -> type[GroupLaw] | None:
     """Return the built-in law of a kind; None if it is not one."""
     return registry.part(registry.LAWS, kind, GroupLaw) if kind in registry.modules(registry.LAWS) else None
+
+
+def law_exceeds_driver(kind: str) -> bool:
+    """Return whether a kind is a built-in law that forms demands from the driver's, and may exceed them."""
+    law = law_named(kind)
+    return law is not None and law.exceeds_driver
 
 
 def catalogue_counts() -> tuple[int, ...]:

@@ -27,7 +27,7 @@ def scenario_with(demand, directory=LIBRARY):
 
 
 def phases(demand, directory=LIBRARY):
-    return phases_of(TWO_GROUPS, scenario_with(demand, directory).demand, FULL, "mine")
+    return phases_of(TWO_GROUPS, scenario_with(demand, directory).demand, FULL)
 
 
 def test_one_pressure_applies_to_all_groups_and_full_is_that_of_each():
@@ -74,7 +74,7 @@ def test_a_long_profile_needs_few_calls_per_row(tmp_path):
         sys.setprofile(note)
         try:
             demand = scenario_with({"file": f"{rows}.csv"}, tmp_path).demand
-            drawn = phases_of(LAYOUT, demand, synthetic.FULL.tolist(), "mine")
+            drawn = phases_of(LAYOUT, demand, synthetic.FULL.tolist())
             Driver(LAYOUT, 1e-3, full=synthetic.FULL, release_pressure=np.zeros(4), phases=drawn)
         finally:
             sys.setprofile(None)

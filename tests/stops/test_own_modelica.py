@@ -43,7 +43,7 @@ def test_a_class_is_compiled_again_when_its_library_changes(mine):
     first = load(mine, SHORT)
     before = plant_description(first)
     assert before.file.is_relative_to(cache.folder())
-    assert is_trusted(first)
+    assert is_trusted(first.vehicle)
     assert plant_description(first).file == before.file
     digest, distance = first.digest(), run_stop(first).metrics.distance_travelled
     with pytest.raises(ScenarioError, match=r"has no parameter 'axles'.* compiled in; for other values name a class"):
@@ -129,12 +129,12 @@ def test_external_functions_are_refused_so_compiled_models_may_be_trusted(tmp_pa
 @pytest.mark.parametrize("compiler", ["native", "openmodelica"])
 def test_a_locally_compiled_model_is_trusted_whoever_compiled_it(mine, compiler, monkeypatch):
     monkeypatch.setattr("railgrip.fmus.build.choose", lambda wanted: compiler)
-    assert is_trusted(load(mine, SHORT))
-    assert is_trusted(load(Path("trapezoid")))
-    assert is_trusted(dry_scenario("tram", 20.0))
+    assert is_trusted(load(mine, SHORT).vehicle)
+    assert is_trusted(load(Path("trapezoid")).vehicle)
+    assert is_trusted(dry_scenario("tram", 20.0).vehicle)
     foreign = mine.parent / "their.fmu"
     foreign.write_bytes(b"")
-    assert not is_trusted(load(Path("trapezoid"), [f"vehicle.plant={foreign}"]))
+    assert not is_trusted(load(Path("trapezoid"), [f"vehicle.plant={foreign}"]).vehicle)
 
 
 @pytest.mark.usefixtures("own_cache")

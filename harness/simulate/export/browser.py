@@ -36,6 +36,7 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Custom
 from railgrip.simulate.assembly import StopAssembly, assemble
+from railgrip.simulate.contact import contact_header
 from railgrip.simulate.export.c_parts import sources_of_filter, with_filter_in_c, write_call
 from railgrip.simulate.loop.interfaces import Parts, StateEstimator
 from railgrip.simulate.loop.loop import Loop
@@ -269,7 +270,7 @@ def _files(opened: StopAssembly) -> tuple[dict[str, str], dict[str, Any]]:
     aligned = {name: align_pointers(text) if name.endswith(".h") else text for name, text in files.items()}
     sources, (_, binding, assignments) = _sources_of(plant), plant.setup
     guid = re.search(r"#define MODEL_GUID (.*)", sources["plant_model.c"])
-    return aligned | sources | {"contact.h": opened.vehicle.contact_header}, {
+    return aligned | sources | {"contact.h": contact_header(*opened.vehicle.contact_arguments())}, {
         "guid": guid and guid[1],
         "begin": repr(opened.vehicle.scenario.plant_begin),
         "references": [reference for each in assignments for reference in each.references],

@@ -65,7 +65,7 @@ def controller_fmu(
     states = started_at(law.formula.states, law.state, _MEMORY)
     parameters = law_parameters(law, law.formula.inputs)
     # A law that redistributes applies the driver's demand itself, and raises it for some groups.
-    limited = law.step if exceeds_driver(scenario) else _limit_demands(law, vehicle.layout)
+    limited = law.step if exceeds_driver(scenario.controller) else _limit_demands(law, vehicle.layout)
     outputs, step = law.formula.outputs, limited
     if valves is not None:
         states += started_at(valves.formula.states, valves.state, _MEMORY + _VALVES)

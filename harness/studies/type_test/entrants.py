@@ -252,7 +252,7 @@ def campaign_of(
         tables = {"name": "type-test"} | case.tables(groups[of_train])
         of_case = merge(trains.get(of_train, train), tables)
         of_case = merge(of_case, case.fault_tables(groups[of_train]))
-        if not has_contacts_of_library(known[of_train]):
+        if not has_contacts_of_library(known[of_train].vehicle.source):
             of_case["truth"].pop("mechanics", None)
         for name, entrant in taking_part.items():
             if not case.has_bound and entrant.tables["controller"]["kind"] in registry.ANALYSES:
