@@ -61,17 +61,17 @@ def mean_deceleration(trace: xarray.Dataset) -> float:
     return float((speed[0] ** 2 - speed[-1] ** 2) / (2 * distance)) if distance > 0 else float("nan")
 
 
-def jerk(trace: xarray.Dataset) -> tuple[float, float]:
-    """Return the mean magnitude and the root mean square of the jerk [m/s3].
+def jerk(trace: xarray.Dataset) -> dict[str, float]:
+    """Return the mean magnitude and the root mean square of the jerk [m/s3] by their names in `Metrics`.
 
     Jerk is the change of acceleration over 0.1 s divided by 0.1 s; NaN for a stop shorter than that.
     """
     time, acceleration = trace["time"].values, trace["acceleration"].values
     if time[-1] - time[0] < _JERK_WINDOW:
-        return float("nan"), float("nan")
+        return {"jerk_mean": nan, "jerk_rms": nan}
     step = max(1, round(_JERK_WINDOW / (time[1] - time[0])))
     change = (acceleration[step:] - acceleration[:-step]) / (time[step:] - time[:-step])
-    return float(np.mean(np.abs(change))), float(np.sqrt(np.mean(change**2)))
+    return {"jerk_mean": float(np.mean(np.abs(change))), "jerk_rms": float(np.sqrt(np.mean(change**2)))}
 
 
 def energy_residual(trace: xarray.Dataset) -> float:
@@ -91,8 +91,10 @@ def _change(trace: xarray.Dataset, name: str) -> float:
     return float(values[-1] - values[0])
 
 
-def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:
+def utilisation(trace: xarray.Dataset) -> dict[str, float | tuple[float, ...]]:
     """Return ∫ F dt / ∫ F_ideal dt of the train and of each wheelset, F the braking force in the contact.
+
+    They have their names in `Metrics`.
 
     The trace is one of `with_bound`; 1 is a stop at the ideal bound. Both may exceed 1 where the bound is what
     the brakes draw: the contact then also carries the inertia of a wheelset that regains speed; or where it is
@@ -100,7 +102,7 @@ def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:
     shares are taken. A wheelset with isolated brakes has no share and is NaN. All are NaN where the trace has no bound,
     as of a plant that does not show its brakes.
     """
-    unknown = float("nan"), (float("nan"),) * formation_in(trace).wheelsets
+    unknown = {"utilisation": nan, "utilisation_wheelset": (nan,) * formation_in(trace).wheelsets}
     if "ideal_share" not in trace:
         return unknown
     time, load = trace["time"].values, trace["wheelset_load"].values
@@ -109,7 +111,7 @@ def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:
     if not np.any(possible > 0):
         return unknown
     each = np.divide(impulse, possible, out=np.full(len(possible), np.nan), where=possible > 0)
-    return float(impulse.sum() / possible.sum()), tuple(map(float, each))
+    return {"utilisation": float(impulse.sum() / possible.sum()), "utilisation_wheelset": _row(each)}
 
 
 def adhesion_allowed(trace: xarray.Dataset) -> float:
@@ -265,35 +267,29 @@ _LONGEST_DELAY = 0.5  # s
 _DELAY_STEP = 0.005  # s
 
 
-_OF_ADHESION = (
-    "adhesion_rmse", "adhesion_bias", "adhesion_error_95", "adhesion_sd", "adhesion_nees", "adhesion_delay",
-    "adhesion_outside",
-)  # fmt: skip
-"""Fields of `Metrics` that `adhesion_errors` gives."""
-
-
-def adhesion_errors(trace: xarray.Dataset) -> dict[str, tuple[float, ...] | None]:
+def adhesion_errors(trace: xarray.Dataset) -> dict[str, tuple[float, ...]]:
     """Return the errors of the estimated adhesion of each group by their names in `Metrics`.
 
-    They are estimate minus truth above 10 km/h; all are None of a stop without estimates, or that was never as fast.
+    They are estimate minus truth above 10 km/h; empty for a stop without estimates, or that was never as fast.
     Without a standard deviation there is no NEES, the mean of (error/deviation)², which is 1 for a consistent
     estimator, and no share outside ±2σ, which is 0.046 then. Delays are 0 to 0.5 s in steps of 5 ms.
     """
     truth, estimate = _moving(trace, "group_adhesion"), _moving(trace, "estimate_adhesion")
     if truth is None or estimate is None or len(truth) < 2:
-        return dict.fromkeys(_OF_ADHESION)
+        return {}
     error, deviation = estimate - truth, _moving(trace, "estimate_adhesion_sd")
     period = float(trace["time"].values[1] - trace["time"].values[0])
-    errors = (
-        _row(np.sqrt(np.mean(error**2, axis=0))),
-        _row(np.mean(error, axis=0)),
-        _row(np.quantile(np.abs(error), 0.95, axis=0)),
-        None if deviation is None else _row(np.mean(deviation, axis=0)),
-        None if deviation is None else _row(np.mean((error / deviation) ** 2, axis=0)),
-        _row(_delay(truth, estimate, period)),
-        None if deviation is None else _row(_outside(error, deviation)),
-    )
-    return dict(zip(_OF_ADHESION, errors, strict=True))
+    errors = {
+        "adhesion_rmse": np.sqrt(np.mean(error**2, axis=0)),
+        "adhesion_bias": np.mean(error, axis=0),
+        "adhesion_error_95": np.quantile(np.abs(error), 0.95, axis=0),
+        "adhesion_delay": _delay(truth, estimate, period),
+    }
+    if deviation is not None:
+        errors["adhesion_sd"] = np.mean(deviation, axis=0)
+        errors["adhesion_nees"] = np.mean((error / deviation) ** 2, axis=0)
+        errors["adhesion_outside"] = _outside(error, deviation)
+    return {name: _row(values) for name, values in errors.items()}
 
 
 def _moving(trace: xarray.Dataset, name: str) -> Array | None:
@@ -340,20 +336,17 @@ def _outside(error: Array, deviation: Array) -> Array:
     return np.where(np.isnan(error).any(axis=0), np.nan, np.mean(np.abs(error) > 2.0 * deviation, axis=0))
 
 
-def innovations(trace: xarray.Dataset) -> tuple[float | None, float | None]:
-    """Return the ratio of the median NIS to its expected value, and the time of divergence [s]; None if absent.
+def innovations(trace: xarray.Dataset) -> dict[str, float]:
+    """Return the ratio of the median NIS to its expected value, and the time of divergence [s], as far as they exist.
 
     See `railgrip.estimators.consistency`. Between two steps of the estimator rows repeat the last one.
     """
     if "estimate_nis" not in trace:
-        return None, None
+        return {}
     nis, readings = trace["estimate_nis"].values, trace["estimate_readings"].values
-    divergence = loss_step(nis, readings)
-    return nis_ratio(nis, readings), None if divergence is None else float(trace["time"].values[divergence])
-
-
-READING_ERRORS = tuple(f"{signal.name.removeprefix('reading_')}_error" for signal in READINGS)
-"""Fields of `Metrics` that `reading_errors` gives."""
+    ratio, lost = nis_ratio(nis, readings), loss_step(nis, readings)
+    found = {} if lost is None else {"estimator_lost": float(trace["time"].values[lost])}
+    return found if ratio is None else found | {"nis_ratio": ratio}
 
 
 def reading_errors(trace: xarray.Dataset) -> dict[str, float]:
@@ -362,9 +355,8 @@ def reading_errors(trace: xarray.Dataset) -> dict[str, float]:
     Errors are means over the channels of a reading; missing readings are left out. NaN if the trace lacks the reading
     or the true value, or the true value is always 0 and the reading is not.
     """
-    names = (signal.name for signal in READINGS)
-    errors = (_relative_error(trace, name, name.removeprefix("reading_")) for name in names)
-    return dict(zip(READING_ERRORS, errors, strict=True))
+    readings = {signal.name.removeprefix("reading_"): signal.name for signal in READINGS}
+    return {f"{true}_error": _relative_error(trace, reading, true) for true, reading in readings.items()}
 
 
 def _relative_error(trace: xarray.Dataset, reading: str, true: str) -> float:

@@ -6,9 +6,9 @@ follow from its declaration.
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cache, cached_property
+from functools import cache
 from typing import Annotated, Any, Final, Literal, Self, cast, get_args, get_type_hints
 
 import numpy as np
@@ -37,9 +37,9 @@ _FULL = 1.002
 """Utilisation of adhesion above which a remark on a stop states what can exceed the ideal bound."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class MeasuredStop:
-    """A stop to measure, with the values that several figures are taken from.
+    """A stop to measure.
 
     Attributes:
         trace: Samples from the first brake demand on, one or more, as `with_bound` returns them.
@@ -54,31 +54,6 @@ class MeasuredStop:
     alpha_max: float
     actuation: str
     target: float = math.nan
-
-    @cached_property
-    def jerk(self) -> tuple[float, float]:
-        """Mean magnitude and root mean square of the jerk [m/s3]."""
-        return measures.jerk(self.trace)
-
-    @cached_property
-    def utilisation(self) -> tuple[float, Each]:
-        """Utilisation of the train, and of each wheelset."""
-        return measures.utilisation(self.trace)
-
-    @cached_property
-    def adhesion_errors(self) -> Mapping[str, Each | None]:
-        """Errors of the estimated adhesion by name."""
-        return measures.adhesion_errors(self.trace)
-
-    @cached_property
-    def innovations(self) -> tuple[float | None, float | None]:
-        """Median NIS over its expected value, and the time of divergence [s]."""
-        return measures.innovations(self.trace)
-
-    @cached_property
-    def reading_errors(self) -> Mapping[str, float]:
-        """Relative errors of the readings by name."""
-        return measures.reading_errors(self.trace)
 
     def maximum(self, signal: str) -> Each:
         """Return the maximum of a signal for each group or wheelset."""
@@ -95,7 +70,7 @@ class Figure:
     Attributes:
         unit: SI unit; "1" for a number.
         meaning: Definition.
-        formula: Function that returns the figure of a stop.
+        formula: Function that returns the figure of a stop; None if one of `TOGETHER` returns it with others.
         extent: What has a value: the train, or each group or wheelset, from lead to trail.
         combined: How the values of groups or wheelsets become one of the train; empty if that has no meaning.
         title: Name for readers, as in labels of axes; that of the field without one.
@@ -110,7 +85,7 @@ class Figure:
 
     unit: str
     meaning: str
-    formula: Callable[[MeasuredStop], Value]
+    formula: Callable[[MeasuredStop], Value] | None = None
     extent: Literal["train", "group", "wheelset"] = "train"
     combined: Literal["maximum", "sum", "mean", ""] = ""
     title: str = ""
@@ -176,17 +151,16 @@ class Metrics:
     mean_deceleration: Annotated[float, Figure("m/s2", "mean over the distance travelled, (v0^2 - v1^2)/(2 s)",
         lambda stop: measures.mean_deceleration(stop.trace), better="more")]
     jerk_mean: Annotated[float, Figure("m/s3", "mean magnitude of the change of acceleration over 0.1 s",
-        lambda stop: stop.jerk[0], better="less")]
+        better="less")]
     jerk_rms: Annotated[float, Figure("m/s3", "root mean square of the change of acceleration over 0.1 s",
-        lambda stop: stop.jerk[1], better="less")]
+        better="less")]
     energy_residual: Annotated[float, Figure("1", "energy the plant left unexplained over kinetic energy at the start",
         lambda stop: measures.energy_residual(stop.trace), is_compared=True)]
     utilisation: Annotated[float, Figure("1",
         "contact impulse of the train over that of the ideal bound, weighted by time: the mean deceleration over "
         "time as a share of the bound's, whose differences are not those of distances; the bound has constant slip, "
         "and wheelsets that give back rotation when friction rises exceed it, as in the stop of the ideal bound",
-        lambda stop: stop.utilisation[0], column="adhesion used", factor=100, form="{:.1f} %", better="more",
-        clause="utilisation")]
+        column="adhesion used", factor=100, form="{:.1f} %", better="more", clause="utilisation")]
     adhesion_allowed: Annotated[float, Figure("1",
         "highest adhesion that the creep curve allows, a mean over the speeds of the stop: v^2/(2 g adhesion_allowed) "
         "is the distance with this adhesion alone, without limits of brakes and without running resistance",
@@ -198,7 +172,7 @@ class Metrics:
         "contact impulse of each wheelset over its share in the ideal bound; NaN for isolated brakes; may exceed 1 "
         "where the brakes set the bound, which leaves out the inertia of a wheelset that regains speed, where more "
         "than alpha_max was used, and where a group is not at its best slip, at which the shares are taken",
-        lambda stop: stop.utilisation[1], better="more", extent="wheelset")]
+        better="more", extent="wheelset")]
     adhesion_peak: Annotated[Each, Figure("1", "greatest adhesion of each group",
         lambda stop: stop.maximum("group_adhesion"), extent="group", combined="maximum", column="greatest adhesion",
         form="{:.3f}")]
@@ -237,52 +211,47 @@ class Metrics:
         lambda stop: actuations(stop.trace, stop.actuation), extent="group", combined="sum", column="valve strokes",
         form="{:.0f}", better="less", is_compared=True)]
     adhesion_rmse: Annotated[Each | None, Figure("1", "RMS error of the estimated adhesion above 10 km/h, each group",
-        lambda stop: stop.adhesion_errors["adhesion_rmse"], extent="group", combined="mean", better="less",
-        is_compared=True)]
+        extent="group", combined="mean", better="less", is_compared=True)]
     adhesion_bias: Annotated[Each | None, Figure("1", "mean error of the estimated adhesion above 10 km/h, each group",
-        lambda stop: stop.adhesion_errors["adhesion_bias"], extent="group", combined="mean")]
+        extent="group", combined="mean")]
     adhesion_error_95: Annotated[Each | None, Figure("1",
         "bound of 95 % of the adhesion errors above 10 km/h, each group",
-        lambda stop: stop.adhesion_errors["adhesion_error_95"], extent="group", combined="mean", better="less")]
+        extent="group", combined="mean", better="less")]
     adhesion_sd: Annotated[Each | None, Figure("1",
         "mean claimed standard deviation of the adhesion above 10 km/h, each group",
-        lambda stop: stop.adhesion_errors["adhesion_sd"], extent="group", combined="mean", is_compared=True)]
+        extent="group", combined="mean", is_compared=True)]
     adhesion_nees: Annotated[Each | None, Figure("1", "mean squared error over variance, above 10 km/h, each group",
-        lambda stop: stop.adhesion_errors["adhesion_nees"], extent="group", combined="mean", is_compared=True)]
+        extent="group", combined="mean", is_compared=True)]
     adhesion_delay: Annotated[Each | None, Figure("s", "shift of the estimated adhesion that fits best, each group",
-        lambda stop: stop.adhesion_errors["adhesion_delay"], extent="group", combined="mean", better="less")]
+        extent="group", combined="mean", better="less")]
     pad_friction_rmse: Annotated[Each | None, Figure("1",
         "RMS error of the estimated pad friction above 10 km/h, each group",
         lambda stop: measures.rmse(stop.trace, "estimate_pad_friction", "pad_friction"), better="less",
         extent="group", combined="mean")]
     adhesion_outside: Annotated[Each | None, Figure("1",
         "share of time above 10 km/h with the true adhesion outside ±2σ, each group",
-        lambda stop: stop.adhesion_errors["adhesion_outside"], extent="group", combined="maximum")]
+        extent="group", combined="maximum")]
     pad_friction_outside: Annotated[Each | None, Figure("1",
         "share of time above 10 km/h with the true pad friction outside ±2σ, each group",
         lambda stop: measures.outside(stop.trace, "estimate_pad_friction", "pad_friction"), extent="group",
         combined="maximum")]
     nis_ratio: Annotated[float | None, Figure("1",
         "median squared innovation of the estimator over its expected median; 1 if consistent",
-        lambda stop: stop.innovations[0], column="NIS", form="{:.2g}", is_compared=True)]
-    estimator_lost: Annotated[float | None, Figure("s", "from when on, by its innovations, the estimate has no meaning",
-        lambda stop: stop.innovations[1])]
+        column="NIS", form="{:.2g}", is_compared=True)]
+    estimator_lost: Annotated[float | None, Figure("s",
+        "from when on, by its innovations, the estimate has no meaning")]
     speed_rmse: Annotated[Each | None, Figure("m/s", "RMS error of the estimated speed above 10 km/h",
         lambda stop: measures.rmse(stop.trace, "estimate_speed", "speed"), combined="mean", better="less")]
     speed_error: Annotated[float, Figure("1", "RMS error of the reading of the speed over the RMS of its true value",
-        lambda stop: stop.reading_errors["speed_error"], is_compared=True)]
+        is_compared=True)]
     wheelset_speed_error: Annotated[float, Figure("1",
-        "RMS error of the reading of the rotational speed over the RMS of its true value",
-        lambda stop: stop.reading_errors["wheelset_speed_error"], is_compared=True)]
+        "RMS error of the reading of the rotational speed over the RMS of its true value", is_compared=True)]
     deflection_error: Annotated[float, Figure("1",
-        "RMS error of the reading of the deflection over the RMS of its true value",
-        lambda stop: stop.reading_errors["deflection_error"], is_compared=True)]
+        "RMS error of the reading of the deflection over the RMS of its true value", is_compared=True)]
     acceleration_error: Annotated[float, Figure("1",
-        "RMS error of the reading of the acceleration over the RMS of its true value",
-        lambda stop: stop.reading_errors["acceleration_error"], is_compared=True)]
+        "RMS error of the reading of the acceleration over the RMS of its true value", is_compared=True)]
     cylinder_pressure_error: Annotated[float, Figure("1",
-        "RMS error of the reading of the cylinder pressure over the RMS of its true value",
-        lambda stop: stop.reading_errors["cylinder_pressure_error"], is_compared=True)]
+        "RMS error of the reading of the cylinder pressure over the RMS of its true value", is_compared=True)]
     # fmt: on
 
     def doubts(self) -> tuple[str, ...]:
@@ -408,6 +377,12 @@ def _table() -> type[BaseModel]:
     return create_model("StoredMetrics", __config__=ConfigDict(strict=True, extra="forbid"), **fields)
 
 
+TOGETHER: Final[Sequence[Callable[[xarray.Dataset], Mapping[str, Value]]]] = (
+    measures.jerk, measures.utilisation, measures.adhesion_errors, measures.innovations, measures.reading_errors,
+)  # fmt: skip
+"""Functions of a trace that return several figures by name; a figure that none of them returns is None."""
+
+
 def measure(
     trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuation: str, target: float = math.nan
 ) -> Metrics:
@@ -423,7 +398,12 @@ def measure(
     """
     braking = measures.since_brake_demand(trace)
     stop = MeasuredStop(trace=braking, outcome=outcome, alpha_max=alpha_max, actuation=actuation, target=target)
-    figures: Any = {name: figure.formula(stop) for name, figure in FIGURES.items()}
+    together: dict[str, Value] = {}
+    for function in TOGETHER:
+        together |= function(braking)
+    figures: Any = {
+        name: figure.formula(stop) if figure.formula else together.get(name) for name, figure in FIGURES.items()
+    }
     return Metrics(**figures)
 
 

@@ -110,7 +110,7 @@ def test_the_utilisation_of_adhesion_is_evaluated_with_an_isolated_group():
     brakes = (None, *BRAKES[1:])
     for used, verdict in ((0.07, True), (0.04, False)):
         trace = with_bound(uniform_stop(adhesion=used, mu0=0.0875), parabola, brakes, alpha_max=0.15)
-        utilisation, each = utilisation_of(trace)
+        utilisation, each = utilisation_of(trace).values()
         assert math.isnan(each[0])
         stop = mine(pandas.concat([result("a", "dry", 250.0), result("a", "mine", 300.0, utilisation=utilisation)]))
         assert stop.utilisation == pytest.approx(utilisation)

@@ -173,7 +173,7 @@ def errors_of(case: EstimatorCase) -> CaseErrors:
     recording_case, estimator, constants = case
     if is_class(estimator):
         trace = trace_with_class(recording_case, estimator)
-        return _judge(case, trace, nis=innovations(trace)[0], microseconds=math.nan)
+        return _judge(case, trace, nis=innovations(trace).get("nis_ratio"), microseconds=math.nan)
     try:
         run = _constant(recording_case, dict(constants)) if estimator == CONSTANT else replay(recording_case, estimator)
     except FilterDiverged:
@@ -204,8 +204,8 @@ def _judge(case: EstimatorCase, trace: xarray.Dataset, nis: float | None, micros
     return CaseErrors(
         digest=_digest(trace),
         rmse={target: rms(error) if error.size else math.nan for target, (error, _) in errors.items()},
-        bias=_mean(adhesion["adhesion_bias"]),
-        delay=_mean(adhesion["adhesion_delay"]),
+        bias=_mean(adhesion.get("adhesion_bias")),
+        delay=_mean(adhesion.get("adhesion_delay")),
         step_delay=step_delay(trace),
         lost=float(np.mean(is_lost)) if error.size else math.nan,
         admitted=coverage(error[is_lost], deviation[is_lost], NORMAL_95),
@@ -213,7 +213,7 @@ def _judge(case: EstimatorCase, trace: xarray.Dataset, nis: float | None, micros
         width=2.0 * NORMAL_95 * float(np.median(deviation)) if deviation.size else math.nan,
         pads=_errors_of_groups(trace, case[0]),
         available=available_errors(trace, dict(case[2]).get("available", math.nan), NORMAL_95),
-        nees=_mean(adhesion["adhesion_nees"]),
+        nees=_mean(adhesion.get("adhesion_nees")),
         nis=math.nan if nis is None else nis,
         microseconds=microseconds,
     )
