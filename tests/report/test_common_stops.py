@@ -133,6 +133,8 @@ COMPLETE = {
     "overview_of": "sorts rows of a table, by the order of the campaign",
     "compare": "`zip` refuses laws whose stops are not those of the present estimates",
     "families": "sorts cases along an axis of friction",
+    "losses_of": "compares two laws at a time, on the cases that both have",
+    "verdict": "counts the cases of each family, and sorts families by name",
     "recommendation": "leaves out laws that lack a case of the rail",
     "lateral_runs": "every filter has every run, and a lost one an infinite error",
     "filter_consistency": "every filter has every stop",

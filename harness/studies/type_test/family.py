@@ -8,14 +8,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import pandas
 
 from railgrip.base import registry
 from railgrip.base.groups import gather
 from railgrip.report.frame import Frame, groups_of
-from railgrip.report.statistics import endless, quantile
+from railgrip.report.statistics import endless, on_common, quantile, relative_change
 from railgrip.report.table import ReportTable, names, share
 from railgrip.studies.type_test.stop_frames import EQUAL, Interval, Statistics, over_best, statistics_of
 from railgrip.studies.type_test.track_case import BY_THE_CURVE, TABLE_1
@@ -31,13 +31,18 @@ COLUMNS: Final = ("axis", "value", "controller", "lost", *Statistics._fields)
 baseline, None without a comparison."""
 
 
+def by_family(stops: Frame) -> Frame:
+    """Return the stops of each family, with its `axis` and `value` and both as `family`, in the order of `AXES`."""
+    of_axes = [stops.assign(axis=axis, value=[variants.get(axis) for variants in stops["variants"]]) for axis in AXES]
+    found = pandas.concat(of_axes, ignore_index=True).dropna(subset="value")
+    return found.assign(family=[f"{axis}: {value}" for axis, value in zip(found["axis"], found["value"], strict=True)])
+
+
 def families(stops: Frame) -> Frame:
     """Return a row for each controller in the cases of one value of one axis, in the order of `AXES`."""
     rows: list[tuple[object, ...]] = []
-    for axis in AXES:
-        of_axis = stops.assign(value=[variants.get(axis) for variants in stops["variants"]])
-        of_axis = of_axis.dropna(subset="value").sort_values("value", kind="stable")
-        for (value, controller), own in groups_of(of_axis, ("value", "controller")):
+    for (axis,), of_axis in groups_of(by_family(stops), ("axis",)):
+        for (value, controller), own in groups_of(of_axis.sort_values("value", kind="stable"), ("value", "controller")):
             ratios = over_best(own)
             lost = float((ratios > 1.0 + EQUAL).mean()) if len(ratios) else None
             rows.append((axis, value, controller, lost, *statistics_of(own)))
@@ -85,16 +90,19 @@ def by_axis(rows: Frame, board: Frame) -> dict[str, ReportTable]:
     """Return a table for each axis: median and 95 % quantile of each controller in each family."""
     tables: dict[str, ReportTable] = {}
     for (axis,), of_axis in groups_of(rows, ("axis",)):
-        cells: dict[str, dict[str, str]] = {}
         counts = dict(zip(of_axis["value"], of_axis["compared"], strict=True))
-        for row in of_axis.itertuples():
-            text = f"{with_interval(row.median)} / {with_interval(row.p95)}" if row.compared else ""
-            of_controller = cells.setdefault(row.controller, {"controller": row.controller})
-            of_controller[f"{row.value} ({counts[row.value]})"] = text
-        columns = max(cells.values(), key=len)
-        order = [name for name in board["controller"] if name in cells]
-        filled = [{name: cells[controller].get(name, "") for name in columns} for controller in order]
-        tables[axis] = ReportTable(filled, left=("controller",))
+        of_axis = of_axis.assign(
+            column=[f"{value} ({counts[value]})" for value in of_axis["value"]],
+            text=[
+                f"{with_interval(row.median)} / {with_interval(row.p95)}" if row.compared else ""
+                for row in of_axis.itertuples()
+            ],
+        )
+        table = of_axis.pivot(index="controller", columns="column", values="text").fillna("")
+        order = [name for name in board["controller"] if name in table.index]
+        tables[axis] = ReportTable.of_frame(
+            table.loc[order, of_axis["column"].unique()].reset_index(), left=("controller",)
+        )
     return tables
 
 
@@ -164,38 +172,8 @@ def _rows_of_laws(stops: Frame) -> Frame:
     return stops[~stops["controller"].isin([*registry.ANALYSES, "full_brake"])]
 
 
-class _CaseStop(NamedTuple):
-    distance: float
-    variants: Mapping[str, str]
-
-
-def _laws(stops: Frame) -> dict[str, dict[str, _CaseStop]]:
-    """Return law → case → distance [m] and variants of its judged stop."""
-    laws = groups_of(_rows_of_laws(stops), ("controller",))
-    return {
-        law: {row.case: _CaseStop(row.distance_m, row.variants) for row in own.itertuples()} for (law,), own in laws
-    }
-
-
-def _families(stops: Mapping[str, _CaseStop], *, small: bool = False) -> dict[str, list[str]]:
-    """Return the cases of each family that has `FEWEST` cases or is that of Table 1, or of each smaller one."""
-    families = gather(
-        (f"{axis}: {stop.variants[axis]}", name)
-        for axis in AXES
-        for name, stop in stops.items()
-        if axis in stop.variants
-    )
-    return {family: cases for family, cases in families.items() if _counts(family, len(cases)) != small}
-
-
 def _counts(family: str, cases: int) -> bool:
     return cases >= FEWEST or family == f"rail: {TABLE_1}"
-
-
-def _ratio(one: _CaseStop, other: _CaseStop) -> float:
-    if math.isnan(one.distance):
-        return 1.0 if math.isnan(other.distance) else math.inf
-    return 0.0 if math.isnan(other.distance) else one.distance / other.distance
 
 
 def losses_of(law: str, stops: Frame, *, small: bool = False) -> list[FamilyLoss]:
@@ -208,33 +186,33 @@ def losses_of(law: str, stops: Frame, *, small: bool = False) -> list[FamilyLoss
         stops: Judged stops.
         small: Whether the families are those with too few cases for a verdict.
     """
-    laws = _laws(stops)
-    own = laws[law]
+    laws = by_family(_rows_of_laws(stops))
+    laws = laws.assign(distance=laws["distance_m"].fillna(math.inf))
     found: list[FamilyLoss] = []
-    for family, cases in _families(own, small=small).items():
-        worst: FamilyLoss | None = None
-        for other, of_other in laws.items():
-            ratios = [_ratio(own[case], of_other[case]) for case in cases if case in of_other]
-            if other == law or not ratios or not (small or _counts(family, len(ratios))):
-                continue
-            # Of two cases `quantile` is the smaller one, in favour of the law.
-            ratio = median(ratios)
-            if ratio > 1.0 + LIMIT and (worst is None or ratio > worst.ratio):
-                worst = FamilyLoss(family=family, other=other, ratio=ratio, cases=len(ratios))
-        if worst is not None:
+    for (family,), here in groups_of(laws, ("family",)):
+        distances = {name: each.set_index("case")["distance"] for (name,), each in groups_of(here, ("controller",))}
+        own = distances.pop(law, None)
+        if own is None or _counts(family, len(own)) == small:
+            continue
+        losses: list[FamilyLoss] = []
+        for name, other in distances.items():
+            pairs = pandas.concat([own, other], axis=1, join="inner").to_numpy()
+            if len(pairs) and (small or _counts(family, len(pairs))):
+                # Of two cases `quantile` is the smaller one, in favour of the law.
+                change = median(relative_change(*pair) for pair in pairs)
+                losses.append(FamilyLoss(family=family, other=name, ratio=1.0 + change, cases=len(pairs)))
+        worst = max(losses, key=lambda loss: loss.ratio, default=None)
+        if worst is not None and worst.ratio > 1.0 + LIMIT:
             found.append(worst)
     return found
 
 
 def _by_median(stops: Frame) -> tuple[list[str], int]:
     """Return the laws by their median over the cases in which all were run, smallest first, and the number of these."""
-    laws = _laws(stops)
-    common = set[str].intersection(*(set(of_law) for of_law in laws.values())) if laws else set[str]()
-    compared = over_best(stops[stops["case"].isin(common)])
-    controllers = stops["controller"].loc[compared.index]
-    medians = {law: quantile(compared[controllers == law].tolist(), 0.5) for law in laws}
-    count = int((controllers == next(iter(laws), "")).sum())
-    return sorted(laws, key=lambda law: medians[law]) if count else [], count
+    common = on_common(_rows_of_laws(stops).assign(run=1.0), "controller", ["case"], "run")
+    ratios = over_best(common)
+    medians = ratios.groupby(common["controller"], sort=False).agg(lambda own: quantile(own, 0.5))
+    return medians.sort_values(kind="stable").index.tolist(), len(ratios) // max(len(medians), 1)
 
 
 _COMPARED = "cases in which all laws were run and a baseline keeps the lock clause"
@@ -248,26 +226,26 @@ def verdict(stops: Frame) -> str:
     Args:
         stops: Judged stops.
     """
-    laws = _laws(stops)
     order, count = _by_median(stops)
     if not order:
         return f"There are no {_COMPARED}: no law can be called best."
     first, limit = order[0], f"{100 * LIMIT:.0f} %"
-    cases_of = {law: _families(of_law).keys() for law, of_law in laws.items()}
-    every = set[str]().union(*cases_of.values())
-    absent = [f"*{family}*" for family in sorted(every - cases_of[first])]
+    sizes = by_family(_rows_of_laws(stops)).groupby(["controller", "family"], sort=False).size()
+    families_of = gather((law, family) for (law, family), cases in sizes.items() if _counts(family, cases))
+    every = {family for families in families_of.values() for family in families}
+    absent = [f"*{family}*" for family in sorted(every.difference(families_of.get(first, ())))]
     found, small = losses_of(first, stops), _small_families(first, stops)
     if not found and not absent:
         return (
             f"{first} {'has the smallest median' if small else 'is the best law: its median is the smallest'} over the "
             f"{count} {_COMPARED}, and no other law is shorter by more than {limit} in any of the "
-            f"{len(cases_of[first])} families that have {FEWEST} cases or are the rails of {TABLE_1}.{small}"
+            f"{len(families_of.get(first, ()))} families that have {FEWEST} cases or are the rails of {TABLE_1}.{small}"
         )
     reasons = [
         *([f"loses on {_listed(found)}"] if found else []),
         *([f"has too few results on {names(absent)}"] if absent else []),
     ]
-    unbeaten = [law for law in order[1:] if every <= cases_of[law] and not losses_of(law, stops)]
+    unbeaten = [law for law in order[1:] if every.issubset(families_of.get(law, ())) and not losses_of(law, stops)]
     rest = (
         f" Not beaten by more than {limit} in any family: {names(unbeaten)}."
         if unbeaten
@@ -278,7 +256,8 @@ def verdict(stops: Frame) -> str:
 
 def _small_families(law: str, stops: Frame) -> str:
     """Return a sentence on the families of a law that are too small for a verdict; empty without any."""
-    small = {family: len(cases) for family, cases in _families(_laws(stops)[law], small=True).items()}
+    sizes = by_family(stops[stops["controller"] == law]).groupby("family", sort=False).size()
+    small = {family: cases for family, cases in sizes.items() if not _counts(family, cases)}
     if not small:
         return ""
     lost = _listed(losses_of(law, stops, small=True))
