@@ -28,7 +28,7 @@ from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import trace_of
 from railgrip.studies.study import Study
-from railgrip.studies.type_test.design import FAULTS
+from railgrip.studies.type_test.design import FAULTS, at
 
 PAGE = Path("docs/stop_at_target.md")
 """Relative to the folder of the project, in which the command runs."""
@@ -112,10 +112,10 @@ def _draw(u: NDArray[np.float64], seed: int) -> Draw:
     length = ahead + 0.5 * speed**2 / DECELERATION
     faults = [name for name in FAULTS if name != "none"]
     return Draw(
-        rail=rail, curve=_one_of(u[4], CURVES), friction=friction, correlation=_log(u[5], 5.0, 100.0),
+        rail=rail, curve=at(CURVES, u[4]), friction=friction, correlation=_log(u[5], 5.0, 100.0),
         patch=(_even(u[6], 0.0, length), _log(u[7], 20.0, 150.0), friction * _even(u[8], 0.5, 0.9)),
         speed=speed, ahead=ahead, load=_even(u[9], 0.95, 1.25), pads=_even(u[10], 0.85, 1.15),
-        gradient=_even(u[11], -0.015, 0.015), fault=_one_of(2.0 * u[12] % 1.0, faults) if u[12] < 0.5 else "none",
+        gradient=_even(u[11], -0.015, 0.015), fault=at(faults, 2.0 * u[12] % 1.0) if u[12] < 0.5 else "none",
         group=1 + int(GROUPS * u[13]), seed=seed,
     )  # fmt: skip
 
@@ -126,10 +126,6 @@ def _even(u: float, low: float, high: float) -> float:
 
 def _log(u: float, low: float, high: float) -> float:
     return float(low * (high / low) ** u)
-
-
-def _one_of(u: float, names: Sequence[str]) -> str:
-    return names[int(len(names) * u)]
 
 
 Case = tuple[str, Mapping[str, float], Draw, bool]

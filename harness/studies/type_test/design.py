@@ -9,7 +9,7 @@ over a slower one.
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,8 @@ from scipy.stats.qmc import Sobol
 
 from railgrip.base.tables import TomlTable
 from railgrip.base.units import GRAVITY
+
+T = TypeVar("T")
 
 KMH: Final = 3.6
 
@@ -174,33 +176,34 @@ def ranks(count: int, axes: int, seed: int) -> NDArray[np.float64]:
     return (sample.argsort(axis=0).argsort(axis=0) + 0.5) / count
 
 
+def at(values: Sequence[T], place: float) -> T:
+    """Return the one of some values at a place in (0, 1)."""
+    return values[int(place * len(values))]
+
+
+def on_log_scale(span: tuple[float, float], place: float) -> float:
+    """Return the value at a place in (0, 1) of a span on a logarithmic scale, with three digits."""
+    return float(f"{span[0] * (span[1] / span[0]) ** place:.3g}")
+
+
 def cases(count: int = CASES, seed: int = SEED) -> tuple[Case, ...]:
     """Return a number of cases, the same ones for the same seed."""
-    faults = [*FAULTS, *["none"] * (len(FAULTS) - 2)]
-    tables = (LOADS, RADII, PADS, GRADIENTS)
-    axes: tuple[Sequence[str], ...] = (CURVES, RAILS, *map(tuple, tables), tuple(faults))
+    axes: Mapping[str, Sequence[str]] = {
+        "curve": CURVES, "rail": RAILS, "load": tuple(LOADS), "radius": tuple(RADII), "pads": tuple(PADS),
+        "gradient": tuple(GRADIENTS), "fault": (*FAULTS, *["none"] * (len(FAULTS) - 2)),
+    }  # fmt: skip
     digits = len(str(count))
     design: list[Case] = []
     for number, (slippery, fast, lot, *places) in enumerate(ranks(count, 3 + len(axes), seed), start=1):
-        curve, rail, load, radius, pads, gradient, fault = (
-            axis[int(place * len(axis))] for axis, place in zip(axes, places, strict=True)
-        )
-        low, high = FRICTION
-        friction = float(f"{low * (high / low) ** slippery:.3g}")
+        friction = on_log_scale(FRICTION, slippery)
         fastest = min(SPEED[1], 0.6 * friction * GRAVITY * MAX_DURATION)
         design.append(
             Case(
                 name=f"{number:0{digits}d}of{count}-{seed}",
-                curve=curve,
-                rail=rail,
                 friction=friction,
                 speed=round(SPEED[0] + fast * (fastest - SPEED[0]), 2),
-                load=load,
-                radius=radius,
-                pads=pads,
-                gradient=gradient,
-                fault=fault,
                 lot=int(1e6 * lot),
+                **{name: at(values, place) for (name, values), place in zip(axes.items(), places, strict=True)},
             )
         )
     return tuple(design)

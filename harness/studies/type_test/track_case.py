@@ -8,17 +8,16 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from scipy.stats.qmc import Sobol
 
 from railgrip.base import registry
 from railgrip.base.tables import TomlTable
 from railgrip.base.units import GRAVITY
 from railgrip.scenario.load import read_toml
 from railgrip.scenario.surface import named_set
-from railgrip.studies.type_test.design import FAULTS, FRICTION, KMH, SPEED, STEEPEST
+from railgrip.studies.type_test.design import FAULTS, FRICTION, KMH, SPEED, STEEPEST, at, on_log_scale, ranks
 
 MAX_DURATION: Final = 90.0
 """Maximum duration of a stop at six tenths of the friction [s], which limits the speed on a slippery rail."""
@@ -256,9 +255,9 @@ def passage_cases(count: int, seed: int) -> tuple[TrackCase, ...]:
     return tuple(
         replace(
             case,
-            passage=_at(("by group", "by wheelset"), who),
-            fraction=_on_log_scale(FRACTION, share),
-            recovered=round(_on_log_scale(RECOVERED, clean) * case.friction, 6),
+            passage=at(("by group", "by wheelset"), who),
+            fraction=on_log_scale(FRACTION, share),
+            recovered=round(on_log_scale(RECOVERED, clean) * case.friction, 6),
         )
         for case, (who, share, clean) in _draw(count, seed, PASSED_RAILS, "v2p", further=3)
     )
@@ -280,21 +279,18 @@ def _draw(
         return []
     curves = tuple(sorted(registry.files(registry.CREEP_CURVES)))
     faults = tuple(name for name in FAULTS if name != "none")
-    lists: tuple[Sequence[Any], ...] = (curves, curves, rails, _CLEANINGS, TRAINS, _COUNTS, faults, faults)
-    axes = 10 + len(lists)
-    sample = Sobol(axes + further, rng=np.random.default_rng(seed)).random_base2(max(count - 1, 1).bit_length())
-    points = (sample[:count].argsort(axis=0).argsort(axis=0) + 0.5) / count
+    axes = 18  # ten numbers, and eight places in lists
     digits = len(str(count))
     design: list[tuple[TrackCase, tuple[float, ...]]] = []
-    for number, point in enumerate(points.tolist(), start=1):
+    for number, point in enumerate(ranks(count, axes + further, seed).tolist(), start=1):
         (*numbers, first, second, rail, cleaning, train, many, one, other), rest = point[:axes], tuple(point[axes:])
         slippery, fast, lot, blended, scale, *deviations = numbers
-        curve, admixture = _at(curves, first), _at(curves, second)
+        curve, admixture = at(curves, first), at(curves, second)
         share = round(max(0.0, blended - 0.5), 2)
         has_own_recovery = [set(named_set(name)) != set(_SHAPE) for name in (curve, admixture)]
         if any(has_own_recovery) or curve == admixture or not share:
             admixture, share = "", 0.0
-        friction, rail_kind, train_name = _on_log_scale(FRICTION, slippery), _at(rails, rail), _at(TRAINS, train)
+        friction, rail_kind, train_name = on_log_scale(FRICTION, slippery), at(rails, rail), at(TRAINS, train)
         load, radius, pads, gradient = (2.0 * place - 1.0 for place in deviations[:4])
         case = TrackCase(
             name=f"{number:0{digits}d}of{count}{kind}-{seed}",
@@ -302,8 +298,8 @@ def _draw(
             other=admixture,
             share=share,
             rail=rail_kind,
-            scale=_on_log_scale(_scales(rail_kind), scale),
-            cleaning=BY_THE_CURVE if has_own_recovery[0] else _at(_CLEANINGS, cleaning),
+            scale=on_log_scale(_scales(rail_kind), scale),
+            cleaning=BY_THE_CURVE if has_own_recovery[0] else at(_CLEANINGS, cleaning),
             friction=friction,
             speed=_speed(friction, fast, train_name),
             train=train_name,
@@ -311,19 +307,11 @@ def _draw(
             radius=round(0.5 * RADIUS * (1.0 + radius), 5),
             pads=round(1.0 + PADS * pads, 4),
             gradient=round(0.25 * gradient, 4),
-            faults=_faults(faults, _at(_COUNTS, many), one, other),
+            faults=_faults(faults, at(_COUNTS, many), one, other),
             lot=int(1e6 * lot),
         )
         design.append((case, rest))
     return design
-
-
-def _at(values: Sequence[Any], place: float) -> Any:
-    return values[int(place * len(values))]
-
-
-def _on_log_scale(span: tuple[float, float], place: float) -> float:
-    return float(f"{span[0] * (span[1] / span[0]) ** place:.3g}")
 
 
 def _scales(rail: str) -> tuple[float, float]:
@@ -338,10 +326,10 @@ def _speed(friction: float, place: float, train: str) -> float:
 
 def _faults(faults: Sequence[str], count: int, first: float, second: float) -> tuple[str, ...]:
     """Return the names of some faults, of different parts of the train."""
-    one = _at(faults, first)
+    one = at(faults, first)
     part = FAULTS[one]["faults"][0]["part"]
     others = [name for name in faults if FAULTS[name]["faults"][0]["part"] != part]
-    return (one, _at(others, second))[:count]
+    return (one, at(others, second))[:count]
 
 
 TABLE_1: Final = "Table 1"
