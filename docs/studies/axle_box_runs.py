@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from PIL import Image
 
 from railgrip.base.arrays import generator
 from railgrip.base.records import make_folder
@@ -235,10 +234,7 @@ def draw(size: str) -> None:
     networks = dict(zip(labels, _map(call, tasks), strict=True))
     sheets = {_ACCELERATIONS[mph]: accelerations(mph, runs) for mph, runs in home.items()}
     for number, sheet in (sheets | {10: estimates(labels, networks, few)}).items():
-        file = style.save(sheet, Path(f"axle_box_fig{number}.png"))
-        # A palette is sufficient for lines in a few colours, and the file is a third as large.
-        picture = Image.open(file).convert("RGB")
-        picture.quantize(128, Image.Quantize.MAXCOVERAGE).save(file, optimize=True)
+        style.reduce_colours(style.save(sheet, Path(f"axle_box_fig{number}.png")))
 
 
 def accelerations(mph: int, runs: Sequence[LabelledRun]) -> Figure:

@@ -74,6 +74,7 @@ NOMINAL = 0.35
 """Pad friction of new pads, which normalises the paper's figure."""
 GROUP_NAMES = ("motor bogie 1", "Jacobs bogie, front")
 COLOURS = (palette.BLUE, palette.ORANGE)
+"""Of the groups in the figures."""
 
 Row = dict[str, Any]
 
@@ -199,14 +200,6 @@ def oscillation(time: Array, friction: Array) -> tuple[float, float]:
     smooth = uniform_filter1d(friction, round(2.0 / (time[1] - time[0])))
     deviation = np.abs(friction / smooth - 1)
     return float(deviation.max()), float(time[np.argmax(deviation)])
-
-
-MB1, JTB1 = 0, 1
-NOMINAL = 0.35
-"""Pad friction of new pads, which normalises the paper's figure."""
-
-GROUP_NAMES = ("motor bogie 1", "Jacobs bogie, front", "Jacobs bogie, rear", "motor bogie 2")
-COLOURS = (palette.BLUE, palette.ORANGE, palette.GREEN, palette.PURPLE)
 
 
 def headlines() -> list[Finding]:
