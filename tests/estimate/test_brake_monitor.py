@@ -7,7 +7,7 @@ from railgrip.recording.samples import reading_of, truth_of, with_signals
 from railgrip.report.style import save
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
 from railgrip.studies.pad_monitor.life import FIRST_SLOT, SLOT, Life, Release, live
-from railgrip.studies.pad_monitor.pad_monitor_study import Assessment, assessment_of
+from railgrip.studies.pad_monitor.pad_monitor_study import judge_groups, rate_bound
 from railgrip.studies.pad_monitor.watch import MonitorDesign, draw, group_names, stops_in, threshold_for, watch
 from railgrip.trace.recorder import FILE_NAME, write_trace
 
@@ -253,19 +253,15 @@ def test_the_trend_is_the_slope_of_health_with_its_deviation():
 
 
 def test_without_alarms_the_bound_of_the_rate_is_the_rule_of_three():
-    assessment = Assessment(
-        lives=1, stops=1, worn_delays=(), stuck_delays=(), kinds_right=1.0, healthy=3000, false_alarms=0
-    )
-    assert assessment.rate_bound == pytest.approx(3.0 / 3000, rel=2e-3)  # ln 20 = 2.9957
+    assert rate_bound(0, 3000) == pytest.approx(3.0 / 3000, rel=2e-3)  # ln 20 = 2.9957
 
 
 def test_a_study_counts_delays_from_the_first_broken_stop():
     life = Life(stops=120, seed=0, worn=50, worn_group=2, stuck=None, stuck_group=3)
-    assessment = assessment_of([life], [row(120, 3, loss=0.2, begin=50)], DESIGN)
-    assert assessment.false_alarms == 0
-    assert assessment.healthy == (50 - 20) + 100 + 2 * 100
-    assert assessment.worn_delays[0] is not None
-    assert 1 < assessment.worn_delays[0] <= 10
+    groups = judge_groups([life], [row(120, 3, loss=0.2, begin=50)], DESIGN)
+    assert groups["false_alarms"].sum() == 0
+    assert groups["healthy"].sum() == (50 - 20) + 100 + 2 * 100
+    assert 1 < groups["delay"][2] <= 10
 
 
 def test_stops_on_disk_give_the_same_evidence(stops, tmp_path):

@@ -1,20 +1,23 @@
 """Delay and false alarms of the monitor: many simulated lives, with every stop a run of plant and filter."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
-import numpy as np
+import pandas
 from scipy.stats import chi2
 from typer import Option
 
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
+from railgrip.report.frame import Frame
 from railgrip.report.page import Page
+from railgrip.report.statistics import finite
 from railgrip.report.table import ReportTable, share
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of, formation
 from railgrip.studies.pad_monitor.life import Life, live
-from railgrip.studies.pad_monitor.watch import MonitorDesign, draw, watch
+from railgrip.studies.pad_monitor.watch import Kind, MonitorDesign, draw, watch
 from railgrip.studies.study import Study
 
 SEEDS = 20
@@ -60,15 +63,16 @@ class PadMonitor(Study, quick="1 life of 60 stops", sizes={"seeds": 1, "stops": 
         """Return the verdicts of the monitor on all lives, and a figure of the first."""
         design, plan = MonitorDesign(), lives(self.seeds, self.stops, self.pressure_offset)
         evidence = work.map(evidence_of_life, plan)
-        assessment = assessment_of(plan, evidence, design)
-        table = assessment.table()
+        groups = judge_groups(plan, evidence, design)
+        table = table_of(groups, plan)
+        healthy, false_alarms = groups[["healthy", "false_alarms"]].sum()
         return Page(
             title="The brake monitor in simulated lives",
             question="How soon does the monitor find a group of wheelsets that has lost 20 % of its friction or no "
             "longer releases, and how often does it alarm without cause?",
-            answer=f"Stops until the alarm: {_delays(assessment.worn_delays)} for lost friction, "
-            f"{_delays(assessment.stuck_delays)} for a brake that no longer releases. "
-            f"False alarms: {assessment.false_alarms} in {assessment.healthy} stops of healthy groups.",
+            answer=f"Stops until the alarm: {_delays(groups, 'friction lost')} for lost friction, "
+            f"{_delays(groups, 'does not release')} for a brake that no longer releases. "
+            f"False alarms: {false_alarms} in {healthy} stops of healthy groups.",
             template="studies/pad_monitor/pad_monitor.md.jinja",
             values={"table": table},
             figures={"life.png": draw(watch(evidence[0], design), design)},
@@ -79,96 +83,72 @@ class PadMonitor(Study, quick="1 life of 60 stops", sizes={"seeds": 1, "stops": 
         """Return delays of alarms and false ones in one short life with a worn and a sticking brake."""
         # 20 stops of reference and 8 before the first fault; ten after each, by which it must be found.
         life = Life(stops=52, seed=1, worn=28, worn_group=1, stuck=40, stuck_group=2)
-        assessment = assessment_of([life], work.map(evidence_of_life, [life]), MonitorDesign())
+        groups = judge_groups([life], work.map(evidence_of_life, [life]), MonitorDesign())
+        worn, stuck = (finite(float(groups["delay"][group])) for group in (life.worn_group, life.stuck_group))
         # A chart that ends a hair below its threshold alarms with the next stop.
         return [
-            Finding("monitor: stops until lost friction is found", assessment.worn_delays[0], "stops", 1.0),
-            Finding("monitor: stops until a sticking brake is found", assessment.stuck_delays[0], "stops", 1.0),
-            Finding("monitor: false alarms", float(assessment.false_alarms), "1", 0.5),
+            Finding("monitor: stops until lost friction is found", worn, "stops", 1.0),
+            Finding("monitor: stops until a sticking brake is found", stuck, "stops", 1.0),
+            Finding("monitor: false alarms", float(groups["false_alarms"].sum()), "1", 0.5),
         ]
 
 
 STUDY = PadMonitor
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Assessment:
-    """Performance of the monitor.
+def judge_groups(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: MonitorDesign) -> Frame:
+    """Return the alarms of the monitor in lives with known evidence, a row for each group of each life.
 
-    Attributes:
-        lives: Number of lives.
-        stops: Number of stops in all of them.
-        worn_delays: Number of stops from the loss of friction to its alarm in each life; None without an alarm.
-        stuck_delays: The same for the sticking brake.
-        kinds_right: Share of alarms of the right kind.
-        healthy: Number of monitored pairs of stop and healthy group.
-        false_alarms: Number of alarms among them.
+    Columns: `fault`, the kind of alarm that is due, None for a healthy group; `delay`, number of stops from the fault
+    to its alarm, NaN without one; `is_right`, whether that is of its kind; `healthy`, number of monitored stops before
+    the fault; `false_alarms`, number of alarms in them.
     """
-
-    lives: int
-    stops: int
-    worn_delays: tuple[int | None, ...]
-    stuck_delays: tuple[int | None, ...]
-    kinds_right: float
-    healthy: int
-    false_alarms: int
-
-    @property
-    def rate_bound(self) -> float:
-        """95 % upper confidence bound of the rate, exact for a Poisson count: 3/n when none came."""
-        return float(chi2.ppf(0.95, 2 * (self.false_alarms + 1)) / 2.0 / self.healthy)
-
-    def table(self) -> ReportTable:
-        """Return the figures as a table."""
-        rate = f"{self.false_alarms / self.healthy:.2g}, below {self.rate_bound:.2g} at 95 % confidence"
-        figures = {
-            "lives": str(self.lives),
-            "stops in all lives": str(self.stops),
-            "stops until the alarm, 20 % of friction lost": _delays(self.worn_delays),
-            "stops until the alarm, brake no longer releases": _delays(self.stuck_delays),
-            "alarms of the right kind": share(self.kinds_right),
-            "stops of healthy groups": str(self.healthy),
-            "false alarms": str(self.false_alarms),
-            "false alarms per stop and group": rate,
-        }
-        return ReportTable.of(("figure", "value"), list(figures.items()), left=2)
-
-
-def _delays(delays: Sequence[int | None]) -> str:
-    finite = [delay for delay in delays if delay is not None]
-    if not finite:
-        return f"none of {len(delays)} found"
-    return f"median {np.median(finite):.0f}, at most {max(finite)} ({len(finite)} of {len(delays)} found)"
-
-
-def assessment_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: MonitorDesign) -> Assessment:
-    """Return the performance of the monitor on lives with known evidence: delays and false alarms."""
-    worn_delays: list[int | None] = []
-    stuck_delays: list[int | None] = []
-    healthy = false_alarms = right = alarms_due = 0
+    rows: list[dict[str, object]] = []
     for life, evidences in zip(plan, evidence, strict=True):
         alarms = watch(evidences, design).alarms
-        for group, begin, delays, kind in (
-            (life.worn_group, life.worn, worn_delays, "friction lost"),
-            (life.stuck_group, life.stuck, stuck_delays, "does not release"),
-        ):
+        faults = {life.worn_group: (life.worn, "friction lost"), life.stuck_group: (life.stuck, "does not release")}
+        for group in range(formation().groups):
+            begin, kind = faults.get(group, (None, None))
             end = life.stops if begin is None else begin
-            healthy += max(end - design.reference, 0)
-            false_alarms += sum(alarm.group == group and alarm.stop < end for alarm in alarms)
-            if begin is not None:
-                first = next((alarm for alarm in alarms if alarm.group == group and alarm.stop >= begin), None)
-                delays.append(None if first is None else first.stop - begin + 1)
-                alarms_due += first is not None
-                right += first is not None and first.kind == kind
-        others = set(range(formation().groups)) - {life.worn_group, life.stuck_group}
-        healthy += len(others) * (life.stops - design.reference)
-        false_alarms += sum(alarm.group in others for alarm in alarms)
-    return Assessment(
-        lives=len(plan),
-        stops=sum(life.stops for life in plan),
-        worn_delays=tuple(worn_delays),
-        stuck_delays=tuple(stuck_delays),
-        kinds_right=right / max(alarms_due, 1),
-        healthy=healthy,
-        false_alarms=false_alarms,
-    )
+            own = [alarm for alarm in alarms if alarm.group == group]
+            first = next((alarm for alarm in own if alarm.stop >= end), None)
+            rows.append(
+                {
+                    "fault": None if begin is None else kind,
+                    "delay": math.nan if first is None else first.stop - end + 1,
+                    "is_right": first is not None and first.kind == kind,
+                    "healthy": max(end - design.reference, 0),
+                    "false_alarms": sum(alarm.stop < end for alarm in own),
+                }
+            )
+    return pandas.DataFrame(rows)
+
+
+def rate_bound(false_alarms: int, healthy: int) -> float:
+    """Return the 95 % upper confidence bound of a rate, exact for a Poisson count: 3/n when none came."""
+    return float(chi2.ppf(0.95, 2 * (false_alarms + 1)) / 2.0 / healthy)
+
+
+def table_of(groups: Frame, plan: Sequence[Life]) -> ReportTable:
+    """Return the figures of the monitor as a table."""
+    healthy, false_alarms = groups[["healthy", "false_alarms"]].sum()
+    bound = rate_bound(false_alarms, healthy)
+    figures = {
+        "lives": str(len(plan)),
+        "stops in all lives": str(sum(life.stops for life in plan)),
+        "stops until the alarm, 20 % of friction lost": _delays(groups, "friction lost"),
+        "stops until the alarm, brake no longer releases": _delays(groups, "does not release"),
+        "alarms of the right kind": share(groups["is_right"].sum() / max(groups["delay"].count(), 1)),
+        "stops of healthy groups": str(healthy),
+        "false alarms": str(false_alarms),
+        "false alarms per stop and group": f"{false_alarms / healthy:.2g}, below {bound:.2g} at 95 % confidence",
+    }
+    return ReportTable.of(("figure", "value"), list(figures.items()), left=2)
+
+
+def _delays(groups: Frame, fault: Kind) -> str:
+    delays = groups["delay"][groups["fault"] == fault]
+    found = delays.dropna()
+    if found.empty:
+        return f"none of {len(delays)} found"
+    return f"median {found.median():.0f}, at most {found.max():.0f} ({len(found)} of {len(delays)} found)"
