@@ -1,7 +1,6 @@
 """The results of a campaign for readers: a summary, tables of stops and draws, and the overview of published stops."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from math import isinf, isnan
 from pathlib import Path
 from statistics import median
@@ -297,33 +296,6 @@ def _range_text(stated: StatedDistance) -> str:
     return "{:.1f}–{:.1f}".format(*stated.ends) + lock
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Contender:
-    """A controller, or a variant, on the stops that all of them have.
-
-    Attributes:
-        name: Name for the sentence.
-        change: Median of its distance over that of the reference, minus 1.
-        text: The change with its range or interval, and the number of stops.
-        stops: Its stops, also those that others lack.
-        missed: Sentence on stops without standstill; empty for none.
-    """
-
-    name: str
-    change: float
-    text: str
-    stops: Frame
-    missed: str = ""
-
-    @property
-    def violations(self) -> dict[str, int]:
-        clauses = self.stops["breaks"].explode().dropna()
-        return {clause: int((clauses == clause).sum()) for clause in clauses.unique()}
-
-
-_Group = tuple[str, list[_Contender], str]
-"""Conditions of compared stops as the start of a clause, their contenders, the best first, and a closing sentence."""
-
 _GROUPS: Final = 3
 """Maximum number of conditions in a summary."""
 
@@ -350,32 +322,10 @@ def headline(frame: Frame, reference: ReferenceVariant | None = None, changes: S
         if reference is None
         else f"{reference.axis} {reference.variant}"
     )
-    kinds = "controllers" if reference is None else "variants"
-    parts = [f"{where if len(groups) > 1 else ''}{_best_of(own, kinds)} {end}".strip() for where, own, end in groups]
+    parts = [f"{where if len(groups) > 1 else ''}{sentences}" for where, sentences in groups.items()]
     more = f" Tables have {len(groups) - _GROUPS} further conditions." if len(groups) > _GROUPS else ""
     joined = " ".join(f"{part[0].upper()}{part[1:]}" if number else part for number, part in enumerate(parts[:_GROUPS]))
     return f"Against {against}, {joined}{more} {gap}{count}"
-
-
-def _best_of(contenders: Sequence[_Contender], kinds: str) -> str:
-    """Return sentences on the first contender that keeps all clauses, and on a shorter one; empty for no contenders."""
-    if not contenders:
-        return ""
-    missed = "".join(f" {one.missed}" for one in contenders if one.missed)
-    allowed = [one for one in contenders if not one.violations]
-    shortest = contenders[0]
-    if not allowed:
-        none = f"none of the {len(contenders)} {kinds} keeps all clauses: " if len(contenders) > 1 else ""
-        breaks = f"{none}{shortest.name} breaks {_breaks(shortest)}"
-        return f"{breaks}. It changes the distance by {shortest.text} and is not recommended.{missed}"
-    best, others, more = allowed[0], "", ""
-    if len(allowed) == 1 < len(contenders):
-        others = f"; of {len(contenders)} {kinds} it is the only one that keeps all clauses"
-    elif len(allowed) > 1 and best.change < 0:
-        others = f", the largest reduction of the {len(allowed)} of {len(contenders)} {kinds} that keep all clauses"
-    if shortest is not best:
-        more = f" {shortest.name} changes it by {percent(shortest.change)}, but breaks {_breaks(shortest)}."
-    return f"{best.name} changes the distance by {best.text}{others}.{more}{missed}"
 
 
 def _gap(count: int) -> str:
@@ -393,16 +343,16 @@ def _without_reference(frame: Frame) -> pandas.Series:
     return keys.isin(set(failed)) & (frame["reference"] != "published") & (frame["controller"] != "ideal_bound")
 
 
-def _controllers(frame: Frame) -> list[_Group]:
-    """Return the controllers with a change against published SBC, for each equipment."""
+def _controllers(frame: Frame) -> dict[str, str]:
+    """Return equipment as the start of a clause → sentences on the controllers with a change against published SBC."""
     compared = frame[(frame["controller"] != "ideal_bound") & frame["stated_vs_sbc"].notna()]
     several = compared.groupby("controller_label")["estimator"].transform("nunique") > 1
     labels = compared["controller_label"].astype(str)
     compared = compared.assign(entrant=labels.where(~several, labels + ", estimator " + compared["estimator"]))
-    return [
-        _group(f"{equipment_text(*equipment)}, ", own, [*PLACE, "draw"], "stated_vs_sbc", "stops")
+    return {
+        f"{equipment_text(*equipment)}, ": _best_of(own, [*PLACE, "draw"], "stated_vs_sbc", "stops", "controllers")
         for equipment, own in groups_of(compared, ("actuation", "sensors"))
-    ]
+    }
 
 
 def equipment_text(actuation: str, sensors: str) -> str:
@@ -411,8 +361,8 @@ def equipment_text(actuation: str, sensors: str) -> str:
     return known.get((actuation, sensors), f"with actuation {actuation} and sensors {sensors}")
 
 
-def _variants(changes: Sequence[Change]) -> list[_Group]:
-    """Return the variants other than the reference, for each set of conditions."""
+def _variants(changes: Sequence[Change]) -> dict[str, str]:
+    """Return conditions as the start of a clause → sentences on the variants other than the reference."""
     differ = {pair for change in changes for pair in change.conditions.items()}
     differ -= {pair for pair in differ if all(pair in change.conditions.items() for change in changes)}
     groups: dict[str, list[Frame]] = {}
@@ -421,32 +371,49 @@ def _variants(changes: Sequence[Change]) -> list[_Group]:
             under = ", ".join(" ".join(pair) for pair in one.conditions.items() if pair in differ)
             own = one.stops.assign(entrant=one.variant, change=one.stops["draw"].map(one.by_case))
             groups.setdefault(f"with {under}, ", []).append(own)
-    return [_group(where, pandas.concat(own), ["draw"], "change", "pairs") for where, own in groups.items()]
+    return {
+        where: _best_of(pandas.concat(own), ["draw"], "change", "pairs", "variants") for where, own in groups.items()
+    }
 
 
-def _group(where: str, frame: Frame, case: Sequence[str], value: str, of: str) -> _Group:
-    """Return the entrants of a frame, ranked by a change on the cases that all of them have."""
+def _best_of(frame: Frame, case: Sequence[str], value: str, of: str, kinds: str) -> str:
+    """Return sentences on the first entrant that keeps all clauses, on a shorter one, and on what is not compared.
+
+    Entrants are ranked by a change on the cases that all of them have; clauses are those of all their stops.
+    """
     common = on_common(frame, "entrant", case, value)
     if common.empty:
-        return where, [], f"{names(list(frame['entrant'].unique()))} have no stop in common."
+        return f"{names(list(frame['entrant'].unique()))} have no stop in common."
     ranked = rank(common, "entrant", case, value)
-    contenders: list[_Contender] = []
-    for one in ranked.itertuples():
-        name, missed = str(one.Index), f"did not come to a standstill in {one.failed} of {one.cases}."
-        contenders.append(
-            _Contender(
-                name=name,
-                change=one.median,
-                text=_contender_text(common[common["entrant"] == name], value, of),
-                stops=frame[frame["entrant"] == name],
-                missed=f"{name} {missed}" if one.failed else "",
-            )
-        )
+    texts = {name: _change_text(own, value, of) for (name,), own in groups_of(common, ("entrant",))}
+    breaks = {name: _breaks(own) for (name,), own in groups_of(frame, ("entrant",))}
+    allowed = [name for name in ranked.index if not breaks[name]]
+    shortest, best = ranked.index[0], next(iter(allowed), None)
+    count, sentences = len(ranked), list[str]()
+    if best is None:
+        none = f"none of the {count} {kinds} keeps all clauses: " if count > 1 else ""
+        sentences.append(f"{none}{shortest} breaks {breaks[shortest]}.")
+        sentences.append(f"It changes the distance by {texts[shortest]} and is not recommended.")
+    else:
+        others = ""
+        if len(allowed) == 1 < count:
+            others = f"; of {count} {kinds} it is the only one that keeps all clauses"
+        elif len(allowed) > 1 and ranked["median"][best] < 0:
+            others = f", the largest reduction of the {len(allowed)} of {count} {kinds} that keep all clauses"
+        sentences.append(f"{best} changes the distance by {texts[best]}{others}.")
+        if shortest != best:
+            shorter = percent(ranked["median"][shortest])
+            sentences.append(f"{shortest} changes it by {shorter}, but breaks {breaks[shortest]}.")
+    sentences += [
+        f"{one.Index} did not come to a standstill in {one.failed} of {one.cases}."
+        for one in ranked.itertuples()
+        if one.failed
+    ]
     left = frame[value].notna().sum() - len(common)
-    return where, contenders, f"{left} {of} that not all of them have are not compared." if left else ""
+    return " ".join([*sentences, *([f"{left} {of} that not all of them have are not compared."] if left else [])])
 
 
-def _contender_text(own: Frame, value: str, of: str) -> str:
+def _change_text(own: Frame, value: str, of: str) -> str:
     """Return the median change with its interval over pairs, or with its range, also against the best tuned SBC."""
     values = own[value].tolist()
     if of == "pairs":
@@ -470,9 +437,10 @@ def _percent_or_endless(change: float) -> str:
     return percent(change) or "endless"
 
 
-def _breaks(candidate: _Contender) -> str:
-    count = len(candidate.stops)
+def _breaks(stops: Frame) -> str:
+    """Return the clauses that an entrant breaks, with the number of its stops; empty without any."""
+    broken = stops["breaks"].explode().dropna()
     return ", ".join(
-        f"the limit on {SUBJECTS[clause]} in {broken} of {count} stops"
-        for clause, broken in candidate.violations.items()
+        f"the limit on {SUBJECTS[clause]} in {(broken == clause).sum()} of {len(stops)} stops"
+        for clause in broken.unique()
     )
