@@ -48,7 +48,14 @@ _DIGEST = "sha256"
 _TRACE_DIGEST = "trace_sha256"
 
 
+_OPTIONAL = ("classes", "dependencies", "limited_demands", "fmu_warnings", "remarks", "cars")
+"""Attributes of a stop that its file has unless they are empty."""
+
 Digest = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+
+
+Car = Annotated[tuple[FiniteFloat, FiniteFloat], Field(strict=False)]
+"""Front and rear of a car behind the leading wheelset [m]."""
 
 
 class Stored(BaseModel):
@@ -127,8 +134,8 @@ class StoredStop(Stored):
     classes: dict[str, JsonObject] = {}
     dependencies: dict[str, str] = {}
     fmu_warnings: dict[str, dict[str, int]] = {}
-    remarks: list[str] = []
-    cars: list[Annotated[tuple[FiniteFloat, FiniteFloat], Field(strict=False)]] = []
+    remarks: Annotated[tuple[str, ...], Field(strict=False)] = ()
+    cars: Annotated[tuple[Car, ...], Field(strict=False)] = ()
     trace_sha256: Digest | None
     sha256: Digest
 
@@ -468,12 +475,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
         "scenario_digest": stop.digest,
         "versions": dict(sorted(stop.versions.items())),
         "fmus": dict(sorted(stop.fmus.items())),
-        **({"classes": stop.classes} if stop.classes else {}),
-        **({"dependencies": stop.dependencies} if stop.dependencies else {}),
-        **({"limited_demands": stop.limited_demands} if stop.limited_demands else {}),
-        **({"fmu_warnings": stop.fmu_warnings} if stop.fmu_warnings else {}),
-        **({"remarks": list(stop.remarks)} if stop.remarks else {}),
-        **({"cars": stop.cars} if stop.cars else {}),
+        **{name: value for name in _OPTIONAL if (value := getattr(stop, name))},
         _TRACE_DIGEST: None,
     }
     path = directory / TRACE_FILE
@@ -525,12 +527,8 @@ def read_stop(directory: Path) -> Stop:
             metrics=Metrics.from_plain(stored.metrics),
             versions=stored.versions,
             fmus=stored.fmus,
-            classes=stored.classes,
-            dependencies=stored.dependencies,
-            fmu_warnings=stored.fmu_warnings,
-            remarks=tuple(stored.remarks),
-            cars=tuple(stored.cars),
             trace_digest=stored.trace_sha256,
+            **{name: getattr(stored, name) for name in _OPTIONAL if name in StoredStop.model_fields},
         )
     except FileNotFoundError as problem:
         like = others_like(directory) or "; `railgrip run FILE --out DIR` makes one"
