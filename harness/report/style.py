@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, cast
 from unicodedata import bidirectional
 
+import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis, Tick
@@ -19,6 +20,7 @@ from matplotlib.ticker import FuncFormatter
 from PIL import Image
 
 from railgrip.base.files import replacing
+from railgrip.base.groups import gather
 from railgrip.report.palette import BLACK
 
 KMH = 3.6
@@ -184,16 +186,9 @@ def svg(drawing: Figure) -> bytes:
     return buffer.getvalue()
 
 
-def alike(columns: Sequence[Any]) -> list[list[int]]:
+def alike(columns: Sequence[np.ndarray]) -> list[list[int]]:
     """Return the numbers of equal columns as groups, so that a line drawn once can be labelled for all."""
-    groups: list[list[int]] = []
-    for number, column in enumerate(columns):
-        match = next((group for group in groups if (columns[group[0]] == column).all()), None)
-        if match is None:
-            groups.append([number])
-        else:
-            match.append(number)
-    return groups
+    return [*gather((column.tobytes(), number) for number, column in enumerate(columns)).values()]
 
 
 def one_based(numbers: Sequence[int]) -> str:
