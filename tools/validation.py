@@ -3,8 +3,7 @@
 import itertools
 import math
 import textwrap
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -29,55 +28,74 @@ _EQUIPMENT = {"ideal": "ideal, 20 ms lag", "instant": "ideal, 1 ms lag"}
 """Equipment → its name in the table, with the lag of the cylinder pressure; others have the name of the file."""
 
 
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """One planned stop with its accepted distance.
+def stops_of(campaign: Campaign, accepted: Mapping[str, AcceptedValue]) -> Frame:
+    """Return a row for each stop of a campaign with scenarios, equipment and controllers, with its accepted distance.
 
-    Attributes:
-        stop: Planned stop.
-        scenario: Resolved scenario of the stop.
-        accepted: Accepted distance; None without one.
-        paper: Published distance [m]; None without one.
-        repeats: Repeats of the stop with the accepted distance; None without any.
+    Columns:
+
+    - `stop`, `place`, `equipment`, `variant`, `controller`, `controller_label`: names of stop, scenario, equipment,
+      variant of the controller, its kind, and its name for readers; `law`: the latter, with the variant if another one
+      with the same equipment has that name.
+    - `paper`: published distance [m]; `stated`: the `StatedDistance` of `_stated`, None without an accepted distance;
+      `text`: the latter with its changes; `repeats`: repeats of the stop, None without any; `lots`: distances by lot of
+      the sensors [m], empty if sensors have no errors; `needs_lots`: whether they have.
+    - `reference`, `vs_sbc`, `vs_tuned`: as `reference`, `stated_vs_sbc` and `stated_vs_tuned` of
+      `railgrip.report.frame`.
+    - Keys of `_MAXIMA`: figures of the accepted run.
     """
-
-    stop: PlannedStop
-    scenario: dict[str, Any]
-    accepted: AcceptedValue | None
-    paper: float | None = None
-    repeats: RepeatedDistances | None = None
-
-    @property
-    def column(self) -> str:
-        """Name of the scenario."""
-        return self.stop.variants["scenario"].replace("_", " ")
-
-    @property
-    def line(self) -> tuple[str, str]:
-        """Equipment and controller."""
-        return self.stop.variants["equipment"], self.stop.variants["controller"]
-
-    @property
-    def lots(self) -> Sequence[float]:
-        """Distances by lot of the sensors [m], the same lots for all stops; empty if sensors have no errors."""
-        return self.repeats.lot_distances if self.repeats else ()
-
-    @property
-    def stated(self) -> StatedDistance | None:
-        """Distances over the lots of sensors, or the accepted distance with its range; None without one."""
-        if self.lots:
-            return StatedDistance(self.lots, are_lots=True)
-        one = self.accepted
-        if one is None:
-            return None
-        if not one.is_range:
-            return StatedDistance((one.value,), math.nan if one.longest_lock is None else one.longest_lock)
-        locks = self.repeats.figures.get("longest_lock", ()) if self.repeats else ()
-        return StatedDistance((one.ends[0], one.value, one.ends[1]), max(locks, default=math.nan))
+    repeats = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
+    rows: list[dict[str, Any]] = []
+    for stop in campaign.stops:
+        one, repeated, scenario = accepted.get(stop.name), repeats.get(stop.name), stop.scenario.resolved()
+        own = repeated if repeated and one and repeated.belongs(stop.scenario.digest(), one.value) else None
+        reference = campaign.reference_for(stop)
+        rows.append(
+            {
+                "stop": stop.name, "place": stop.variants["scenario"].replace("_", " "),
+                "equipment": stop.variants["equipment"], "variant": stop.variants["controller"],
+                "controller": scenario["controller"]["kind"], "controller_label": label(scenario),
+                "scenario": scenario, "paper": reference.distance if reference else math.nan,
+                "stated": _stated(one, own), "repeats": repeated, "lots": own.lot_distances if own else (),
+                "needs_lots": isinstance(stop.scenario.sensors, SampledSensors),
+            } | {key: getattr(one, key, None) for key in _MAXIMA.values()}
+        )  # fmt: skip
+    compared_with = references(rows, lambda row: row["scenario"], lambda row: row["stated"] and row["stated"].median)
+    for row, others in zip(rows, compared_with, strict=True):
+        row["reference"] = next((kind for kind, one in zip(_KINDS, others, strict=True) if one is row), None)
+        changes = [_change(row["stated"], other["stated"]) if other and other is not row else None for other in others]
+        row["vs_sbc"], row["vs_tuned"] = (math.nan if change is None else change for change in changes)
+        row["text"] = _text(row["stated"], changes)
+    frame = pandas.DataFrame(rows)
+    labels, variants = frame["controller_label"], frame["variant"].str.replace("_", " ")
+    namesakes = frame.groupby(["equipment", "controller_label"])["variant"].transform("nunique")
+    return frame.assign(law=labels.where(namesakes == 1, labels + ", " + variants))
 
 
-_Lines = dict[tuple[str, str], dict[str, Cell]]
-"""(equipment, controller) → scenario → cell."""
+_KINDS: Final = ("published", "best tuned")
+"""Kinds of slip-based control that others are compared with."""
+
+
+def _stated(accepted: AcceptedValue | None, repeats: RepeatedDistances | None = None) -> StatedDistance | None:
+    """Return the distances over the lots of sensors, or the accepted distance with its range; None without one."""
+    if repeats and repeats.lots:
+        return StatedDistance(repeats.lot_distances, are_lots=True)
+    if accepted is None:
+        return None
+    if not accepted.is_range:
+        return StatedDistance((accepted.value,), math.nan if accepted.longest_lock is None else accepted.longest_lock)
+    locks = repeats.figures.get("longest_lock", ()) if repeats else ()
+    return StatedDistance((accepted.ends[0], accepted.value, accepted.ends[1]), max(locks, default=math.nan))
+
+
+def _change(stated: StatedDistance | None, other: StatedDistance | None) -> float | None:
+    return None if stated is None or other is None else stated.change_against(other)
+
+
+def _wide(frame: Frame, first: str, row: str, column: str, values: str) -> ReportTable:
+    """Return a table with a row and a column for each value of two columns, in their order; `first` is its heading."""
+    table = frame.pivot(index=row, columns=column, values=values)
+    table = table.reindex(index=frame[row].unique(), columns=frame[column].unique()).fillna("")
+    return ReportTable.of_frame(table.rename_axis(first).reset_index(), left=(first,))
 
 
 def tables(campaign: Campaign, baseline: Baseline) -> dict[str, ReportTable]:
@@ -92,36 +110,33 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, ReportTable]:
     Raises:
         ScenarioError: The repeats with other lots of sensors are missing, or belong to another stop.
     """
-    cells = cells_of(campaign, baseline)
-    of_sensors = [cell for cell in cells if isinstance(cell.stop.scenario.sensors, SampledSensors)]
-    if campaign.conditioning and (stale := [cell.stop.name for cell in of_sensors if not cell.lots]):
+    frame = stops_of(campaign, baseline.accepted)
+    stale = frame["stop"][frame["needs_lots"] & (frame["lots"].map(len) == 0)]
+    if campaign.conditioning and len(stale):
         raise ScenarioError(
-            f"{campaign.name}: there are no repeats with other lots of sensors of {names(stale)} as accepted; run "
-            "`make conditioning`"
+            f"{campaign.name}: there are no repeats with other lots of sensors of {names(stale.tolist())} as accepted; "
+            "run `make conditioning`"
         )
-    compared_with = references(cells, lambda cell: cell.scenario, _metres)
-    texts = {
-        (cell.line, cell.column): _text(cell, [other for other in others if other is not cell])
-        for cell, others in zip(cells, compared_with, strict=True)
-    }
-    lines = _lines_of(cells)
-    columns = list(dict.fromkeys(cell.column for cell in cells))
-    rows, maxima = _published_rows(lines.values(), columns), list[dict[str, Any]]()
-    for line, stops in lines.items():
-        name = f"{_EQUIPMENT.get(line[0], line[0])}: {_name(line, lines)}"
-        rows.append({_FIRST: name} | {column: texts.get((line, column), "") for column in columns})
-        known = [cell.accepted for cell in stops.values() if cell.accepted]
-        maxima.append(
-            {"single runs": name}
-            | {
-                column: max((value for one in known if (value := getattr(one, key)) is not None), default=None)
-                for column, key in _MAXIMA.items()
-            }
-        )
+    equipment = frame["equipment"].map(lambda one: _EQUIPMENT.get(one, one))
+    frame = frame.assign(line=equipment + ": " + frame["law"])
+    published = frame[frame["paper"].notna()]
+    # The first one is the paper's SBC.
+    first = published["place"].map(published.drop_duplicates("place").set_index("place")["paper"])
+    published = published.assign(
+        line="*published: " + published["controller_label"] + "*",
+        text=[
+            f"{metres:.1f} m" + _brackets([None if metres == of_sbc else metres / of_sbc - 1])
+            for metres, of_sbc in zip(published["paper"], first, strict=True)
+        ],
+    )
+    maxima = frame.groupby("line", sort=False)[list(_MAXIMA.values())].agg(lambda one: one.astype(float).max())
+    forms = {"greatest adhesion": "{:.3f}", "longest lock": "{:.1f} s", "valve strokes": "{:.0f}"}
     return {
-        "distances": ReportTable(rows, left=(_FIRST,)),
-        "runs": ReportTable(maxima, {"greatest adhesion": "{:.3f}", "longest lock": "{:.1f} s"}, left=("single runs",)),
-        "orders": _orders(lines, columns),
+        "distances": _wide(pandas.concat([published, frame]), _FIRST, "line", "place", "text"),
+        "runs": ReportTable.of_frame(
+            maxima.set_axis(list(_MAXIMA), axis=1).rename_axis("single runs").reset_index(), forms, ("single runs",)
+        ),
+        "orders": _orders(frame),
         "discretisation": steps_table(campaign),
     }
 
@@ -134,42 +149,24 @@ _MAXIMA: Final = {
 """Column → key of an accepted value, the figure of one run, of which a row has the maximum."""
 
 
-def _lines_of(cells: Iterable[Cell]) -> _Lines:
-    lines: _Lines = {}
-    for cell in cells:
-        lines.setdefault(cell.line, {})[cell.column] = cell
-    return lines
-
-
-def cells_of(campaign: Campaign, baseline: Baseline) -> list[Cell]:
-    """Return the stops of a campaign with their accepted distances and, if there are some, repeats with other lots."""
-    repeats = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
-    cells: list[Cell] = []
-    for stop in campaign.stops:
-        accepted, reference = baseline.accepted.get(stop.name), campaign.reference_for(stop)
-        repeated, paper = repeats.get(stop.name), reference.distance if reference else None
-        is_own = repeated and accepted and repeated.belongs(stop.scenario.digest(), accepted.value)
-        cells.append(Cell(stop, stop.scenario.resolved(), accepted, paper, repeated if is_own else None))
-    return cells
-
-
-def _orders(lines: _Lines, columns: Sequence[str]) -> ReportTable:
+def _orders(frame: Frame) -> ReportTable:
     """Return the paired differences between each controller and the next better one, lot by lot, with 95 % intervals.
 
     A controller is called shorter only if the interval excludes 0.
     """
-    known = {
-        line: [stops[column].lots for column in columns]
-        for line, stops in lines.items()
-        if all(column in stops and stops[column].lots for column in columns)
-    }
-    order = sorted(known, key=lambda line: sum(math.log(float(np.median(lots))) for lots in known[line]))
-    rows: list[dict[str, Any]] = []
-    for better, other in itertools.pairwise(order):
-        row: dict[str, Any] = {"controller": _name(better, lines), "compared with": _name(other, lines)}
-        for column, lots, other_lots in zip(columns, known[better], known[other], strict=True):
-            row[column] = _difference([a - b for a, b in zip(lots, other_lots, strict=True)])
-        rows.append(row)
+    places = frame["place"].unique()
+    with_lots = frame[frame["lots"].map(len) > 0].pivot(index=["equipment", "law"], columns="place", values="lots")
+    with_lots = with_lots.reindex(columns=places).dropna()
+    medians = with_lots.map(lambda lots: math.log(float(np.median(lots)))).sum(axis=1)
+    lots = with_lots.loc[medians.sort_values(kind="stable").index]
+    rows = [
+        {"controller": better, "compared with": other}
+        | {
+            place: _difference([a - b for a, b in zip(lots[place].iloc[n], lots[place].iloc[n + 1], strict=True)])
+            for place in places
+        }
+        for n, ((_, better), (_, other)) in enumerate(itertools.pairwise(lots.index))
+    ]
     return ReportTable(rows, left=("controller", "compared with"))
 
 
@@ -189,18 +186,11 @@ def steps_table(campaign: Campaign) -> ReportTable:
     The half width of the 95 % interval of a change without any cause follows; larger changes are bold. Rows without
     repeats at divided steps are left out.
     """
-    repeats = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
-    equipped = (stop for stop in campaign.stops if "equipment" in stop.variants)
-    lines = _lines_of(Cell(stop, stop.scenario.resolved(), None) for stop in equipped)
-    columns = dict.fromkeys(column for stops in lines.values() for column in stops)
-    rows: list[dict[str, str]] = []
-    for line, stops in lines.items():
-        found = {column: repeats.get(cell.stop.name) for column, cell in stops.items()}
-        texts = {column: _moved_by_steps(one) for column, one in found.items() if one is not None and one.steps}
-        if texts:
-            name = {"half, quarter step": f"{line[0]}: {_name(line, lines)}"}
-            rows.append(name | dict.fromkeys(columns, "") | texts)
-    return ReportTable(rows, left=("half, quarter step",))
+    frame = stops_of(campaign.only(lambda stop: "equipment" in stop.variants), {})
+    moved = [_moved_by_steps(one) if one is not None and one.steps else None for one in frame["repeats"]]
+    frame = frame.assign(line=frame["equipment"] + ": " + frame["law"], moved=moved)
+    shown = frame[frame["line"].isin(frame["line"][frame["moved"].notna()])]
+    return _wide(shown, "half, quarter step", "line", "place", "moved")
 
 
 def _moved_by_steps(repeated: RepeatedDistances) -> str:
@@ -262,14 +252,15 @@ _VISIBLE = 5e-5
 
 def tables_of_cases(campaign: Campaign, baseline: Baseline) -> dict[str, ReportTable]:
     """Return the accepted distances of a campaign with cases: a row for each case, a column for each controller."""
-    rows: dict[str, dict[str, str]] = {}
-    for stop in baseline.selection(campaign).stops:
-        case, scenario = stop.variants["case"].replace("_", " "), stop.scenario.resolved()
-        cell = Cell(stop, scenario, baseline.accepted.get(stop.name))
-        rows.setdefault(case, {})[label(scenario)] = _text(cell, [])
-    columns = dict.fromkeys(column for row in rows.values() for column in row)
-    table = [{"case": case} | {column: row.get(column, "") for column in columns} for case, row in rows.items()]
-    return {"distances": ReportTable(table, left=("case",))}
+    frame = pandas.DataFrame(
+        {
+            "case": stop.variants["case"].replace("_", " "),
+            "controller": label(stop.scenario.resolved()),
+            "text": _text(_stated(baseline.accepted.get(stop.name)), []),
+        }
+        for stop in baseline.selection(campaign).stops
+    )
+    return {"distances": _wide(frame, "case", "case", "controller", "text")}
 
 
 def with_distances(baseline: Baseline, results: Results) -> Baseline:
@@ -352,44 +343,17 @@ TABLES: Mapping[str, tuple[str, Callable[[Campaign, Baseline], dict[str, ReportT
 """Baseline → page of docs/ that contains its tables, and the function that returns them by name."""
 
 
-def _published_rows(lines: Collection[Mapping[str, Cell]], columns: Sequence[str]) -> list[dict[str, Any]]:
-    rows: list[dict[str, Any]] = []
-    first: dict[str, float] = {}  # the paper's SBC
-    for stops in lines:
-        distances = {column: cell.paper for column, cell in stops.items() if cell.paper is not None}
-        if distances:
-            first = first or distances
-            changes = {c: None if distances is first else distances[c] / first[c] - 1 for c in columns}
-            rows.append(
-                {_FIRST: f"*published: {label(next(iter(stops.values())).scenario)}*"}
-                | {column: f"{distances[column]:.1f} m" + _brackets([changes[column]]) for column in columns}
-            )
-    return rows
-
-
-def _text(cell: Cell, others: Sequence[Cell | None]) -> str:
+def _text(stated: StatedDistance | None, changes: Sequence[float | None]) -> str:
     """Return distance or median and range, the longest lock, and the changes against other stops."""
-    stated = cell.stated
     if stated is None:
         return ""
     range_ = "" if stated.ends is None else ", {:.1f} – {:.1f} m".format(*stated.ends)
-    changes = [stated.change_against(other.stated) if other and other.stated else None for other in others]
     return f"{stated.median:.1f} m{range_}{locked_text(stated.lock)}{_brackets(changes)}"
 
 
 def _brackets(changes: Sequence[float | None]) -> str:
     texts = [percent(change) for change in changes if change is not None]
     return f" ({', '.join(texts)})" if texts else ""
-
-
-def _name(line: tuple[str, str], lines: Mapping[tuple[str, str], Mapping[str, Cell]]) -> str:
-    """Return the name of the controller of a line, with its variant if another line of the equipment has that name."""
-    equipment, variant = line
-    labels = {
-        other: label(next(iter(stops.values())).scenario) for other, stops in lines.items() if other[0] == equipment
-    }
-    name = labels[line]
-    return name if list(labels.values()).count(name) == 1 else f"{name}, {variant.replace('_', ' ')}"
 
 
 BASELINE: Final = "table1"
@@ -411,7 +375,13 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
     It has the SBC of the paper and the best tuned one, the law as published, the other law with the shortest stops in
     service, and the ideal bound, with ideal and service equipment. The title states the changes in service.
     """
-    rows = _rows_of_figure(campaign, baseline)
+    rows = stops_of(campaign.only(lambda stop: stop.variants["equipment"] in _SHOWN), baseline.accepted)
+    rows = rows.dropna(subset="stated")
+    rows = rows.assign(
+        place=pandas.Categorical(rows["place"], rows["place"].unique()),
+        origin=rows["equipment"],
+        distance=[stated.median for stated in rows["stated"]],
+    )
     laws = rows[(rows["origin"] == _SHOWN[-1]) & rows["controller"].isin(_LAWS) & rows["vs_sbc"].notna()]
     keys = ("controller_label", ["place"], "vs_sbc")
     best = laws[laws["controller_label"].isin(rank(on_common(laws, *keys), *keys).index[:1])]
@@ -431,31 +401,6 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
         + ("" if math.isnan(one.paper) else f", paper {one.paper:.1f} m")
         for one in shown.itertuples()
     )
-
-
-def _rows_of_figure(campaign: Campaign, baseline: Baseline) -> Frame:
-    """Return a row for each accepted stop with the equipment of the figure, with the columns of `overview_figure`."""
-    cells = [cell for cell in cells_of(campaign, baseline) if cell.line[0] in _SHOWN and cell.stated is not None]
-    compared_with = references(cells, lambda cell: cell.scenario, _metres)
-    rows = [
-        {
-            "stop": cell.stop.name, "place": cell.column, "origin": cell.line[0],
-            "controller": cell.scenario["controller"]["kind"], "controller_label": label(cell.scenario),
-            "stated": stated, "distance": stated.median, "paper": math.nan if cell.paper is None else cell.paper,
-            "reference": "published" if sbc is cell else "best tuned" if tuned is cell else None,
-        } | {
-            name: math.nan if other is None or other.stated is None else stated.change_against(other.stated)
-            for name, other in (("vs_sbc", sbc), ("vs_tuned", tuned))
-        }
-        for cell, (sbc, tuned) in zip(cells, compared_with, strict=True)
-        if (stated := cell.stated) is not None
-    ]  # fmt: skip
-    frame = pandas.DataFrame(rows)
-    return frame.assign(place=pandas.Categorical(frame["place"], frame["place"].unique()))
-
-
-def _metres(cell: Cell) -> float | None:
-    return None if cell.stated is None else cell.stated.median
 
 
 def _message(best: Frame) -> str:
