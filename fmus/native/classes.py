@@ -5,7 +5,7 @@ Section numbers are those of the Modelica Language Specification, version 3.6.
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -17,6 +17,9 @@ DECLARATIONS = Path(__file__).parent / "declarations"
 
 Node = dict[str, Any]
 """A node of the syntax tree as rumoca writes it, with its field names."""
+
+Finding = tuple[Node, str]
+"""A node, and a sentence on what is forbidden or misread there."""
 
 Sources = Mapping[int, tuple[str, bytes]]
 """Source id → (file name, text); places are byte offsets into the text."""
@@ -144,9 +147,10 @@ class Tree:
     _bases: dict[str, list[Class]] = field(default_factory=dict[str, list[Class]])
 
     @cached_property
-    def roots(self) -> dict[str, Class]:
-        """Classes that no class contains."""
-        return {name: _class(name, node) for name, node in self.content.items() if name}
+    def roots(self) -> dict[str, Element]:
+        """Classes that no class contains; the owner of each is itself."""
+        classes = {name: self.by_name[name] for name in self.content if name}
+        return {name: self._class_element(class_, class_) for name, class_ in classes.items()}
 
     @cached_property
     def every(self) -> list[Class]:
@@ -157,7 +161,7 @@ class Tree:
                 yield class_
                 yield from walk(class_.classes)
 
-        return list(walk(self.roots))
+        return list(walk({name: _class(name, node) for name, node in self.content.items() if name}))
 
     @cached_property
     def by_name(self) -> dict[str, Class]:
@@ -288,12 +292,20 @@ class Tree:
     def resolve(self, name: str, scope: Class) -> Class | None:
         """Return the class of a name that is written in a class, None if it is unknown (section 5.3)."""
         first, *rest = name.split(".")
-        found = self.look_up(first, scope)
-        if isinstance(found, Element):
-            return found.type and self._inside(found.type, rest) if found.is_class else None
-        return found and self._inside(found, rest)
+        path = self.follow(self.look_up(first, scope), rest)
+        return path[-1].type if len(path) > len(rest) and all(element.is_class for element in path) else None
 
-    def look_up(self, name: str, scope: Class) -> "Element | Class | None":
+    def follow(self, found: Element | None, names: Iterable[str]) -> list[Element]:
+        """Return an element, and those that further names denote in it, in that and so on, as far as they are known."""
+        path: list[Element] = []
+        for name in (*names, None):
+            if found is None:
+                break
+            path.append(found)
+            found = None if found.type is None or name is None else self.elements(found.type).get(name)
+        return path
+
+    def look_up(self, name: str, scope: Class) -> Element | None:
         """Return the element of a simple name in a class or the classes around it, or an imported or outermost class.
 
         An import is looked up where it is written only; it is not inherited (5.3.1).
@@ -308,7 +320,7 @@ class Tree:
             place = place.rpartition(".")[0]
         return self.roots.get(name)
 
-    def _imported(self, name: str, class_: Class) -> "Element | Class | None":
+    def _imported(self, name: str, class_: Class) -> Element | None:
         for clause in class_.definition["imports"]:
             ((kind, node),) = clause.items()
             path = join_name(node["path"]).split(".")
@@ -330,37 +342,19 @@ class Tree:
             return [part["text"] for part in node.get("names", ())]
         if kind == "Unqualified":
             package = self.global_element(path)
-            type_ = package.type if isinstance(package, Element) else package
-            return [] if type_ is None else list(self.elements(type_))
+            return [] if package is None or package.type is None else list(self.elements(package.type))
         return path[-1:]
 
-    def global_element(self, names: Sequence[str]) -> "Element | Class | None":
+    def global_element(self, names: Sequence[str]) -> Element | None:
         """Return the element of a name that starts at the outermost classes."""
-        root = self.roots.get(names[0])
-        if root is None or len(names) == 1:
-            return root
-        owner = self._inside(root, names[1:-1])
-        return owner and self.elements(owner).get(names[-1])
-
-    def _inside(self, type_: Class, names: Sequence[str]) -> Class | None:
-        for name in names:
-            element = self.elements(type_).get(name)
-            if element is None or not element.is_class or element.type is None:
-                return None
-            type_ = element.type
-        return type_
+        path = self.follow(self.roots.get(names[0]), names[1:])
+        return path[-1] if len(path) == len(names) else None
 
     def component_path(self, class_: Class, reference: Node) -> list[Element]:
         """Return the components that the parts of a reference denote in a class, empty if one of them is unknown."""
-        path: list[Element] = []
-        type_: Class | None = class_
-        for part in reference["parts"]:
-            element = None if type_ is None else self.elements(type_).get(part["ident"]["text"])
-            if element is None or element.is_class:
-                return []
-            path.append(element)
-            type_ = element.type
-        return path
+        first, *rest = parts_of(reference)
+        path = self.follow(self.elements(class_).get(first), rest)
+        return path if len(path) > len(rest) and not any(element.is_class for element in path) else []
 
     def is_replaceable(self, modifier: Modifier) -> bool:
         """Return whether a redeclaration in an extends clause keeps the element replaceable."""
@@ -389,9 +383,13 @@ class Tree:
         before = self._octets(place)[: place["start"]].rstrip()
         return before.endswith(b".") and not re.search(rb"[\w\])']\s*\.$", before[-200:])
 
-    def locate(self, node: Node, sentence: str) -> str:
-        """Return `file:line: sentence.` for a node."""
-        return locate(node, sentence, self.sources)
+    def locate(self, findings: Iterable[Finding]) -> Iterator[str]:
+        """Yield `file:line: sentence.` for each finding."""
+        for node, sentence in findings:
+            place = node.get("location") or node["span"]
+            name, text = self.sources.get(place["source"], ("?", b""))
+            line = text.count(b"\n", 0, place["start"]) + 1
+            yield f"{name}:{line}: {sentence}."
 
 
 def read_tree(model: Any, class_name: str, sources: Sources) -> Tree:
@@ -414,14 +412,6 @@ def _as_json(text: str) -> str:
     parts[::2] = "\2".join(parts[::2]).replace("none", "null").split("\2")
     text = '"'.join(parts).replace("\1", '\\"')
     return re.sub(r"\\u\{([0-9a-f]+)\}", lambda m: f"\\u{int(m[1], 16):04x}", text).replace("\0", "\\\\")
-
-
-def locate(node: Node, sentence: str, sources: Sources) -> str:
-    """Return `file:line: sentence.` for a node."""
-    place = node.get("location") or node["span"]
-    name, text = sources.get(place["source"], ("?", b""))
-    line = text.count(b"\n", 0, place["start"]) + 1
-    return f"{name}:{line}: {sentence}."
 
 
 def _class(name: str, node: Node) -> Class:
@@ -497,9 +487,14 @@ def blank(match: re.Match[str]) -> str:
     return re.sub(r"[^\n]", " ", match[0])
 
 
+def parts_of(reference: Node) -> list[str]:
+    """Return the parts of the name of a reference, without subscripts."""
+    return [part["ident"]["text"] for part in reference["parts"]]
+
+
 def path_of(reference: Node) -> str:
     """Return the name of a reference, without subscripts."""
-    return ".".join(part["ident"]["text"] for part in reference["parts"])
+    return ".".join(parts_of(reference))
 
 
 def join_name(name: Node | None) -> str:

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from railgrip.base.groups import gather
-from railgrip.fmus.native.classes import Class, Element, Node, Tree, path_of, prefix, walk
+from railgrip.fmus.native.classes import Class, Element, Finding, Node, Tree, path_of, prefix, walk
 
 _Places = dict[str, list[tuple[Node, list[Node], int]]]
 """Simple name of a component → flat variables, the parts of their names, and its place among these."""
 
 
-def findings(tree: Tree, flat: Mapping[str, Node]) -> Iterator[str]:
-    """Yield a sentence with file and line for each connect equation that is misread or forbidden.
+def findings(tree: Tree, flat: Mapping[str, Node]) -> Iterator[Finding]:
+    """Yield a finding for each connect equation that is misread or forbidden.
 
     Args:
         tree: Declarations of the class and of those that it uses.
@@ -39,18 +39,18 @@ def _places(flat: Mapping[str, Node]) -> _Places:
     )
 
 
-def _forms(tree: Tree, class_: Class, equation: Node) -> Iterator[str]:
+def _forms(tree: Tree, class_: Class, equation: Node) -> Iterator[Finding]:
     for side in ("lhs", "rhs"):
         types = [element.type for element in tree.component_path(class_, equation[side])]
         if sum(type_ is not None and type_.kind in ("model", "block", "class") for type_ in types) > 1:
-            yield tree.locate(
+            yield (
                 equation[side],
                 f"connect uses {path_of(equation[side])}, a connector inside of two components; it must be a connector "
                 "of this class or of a component of it (9.1)",
             )
 
 
-def _sizes(tree: Tree, class_: Class, equation: Node, places: _Places) -> Iterator[str]:
+def _sizes(tree: Tree, class_: Class, equation: Node, places: _Places) -> Iterator[Finding]:
     # rumoca connects the first elements of two arrays of different sizes and leaves the others open.
     sides = [equation["lhs"], equation["rhs"]]
     paths = [tree.component_path(class_, side) for side in sides]
@@ -62,7 +62,7 @@ def _sizes(tree: Tree, class_: Class, equation: Node, places: _Places) -> Iterat
     for prefix_ in counts[0].keys() & counts[1].keys():
         shapes = [counts[i][prefix_] for i in (0, 1)]
         if shapes[0] != shapes[1]:
-            yield tree.locate(
+            yield (
                 equation["lhs"],
                 f"connect has {' x '.join(map(str, shapes[0]))} elements of {path_of(sides[0])} and "
                 f"{' x '.join(map(str, shapes[1]))} of {path_of(sides[1])}; the sizes must agree (9.3)",
@@ -107,7 +107,7 @@ def _subscript(subscript: Any) -> int | None:
     return subscript if isinstance(subscript, int) else None
 
 
-def _sources(tree: Tree, class_: Class, equations: Sequence[Node]) -> Iterator[str]:
+def _sources(tree: Tree, class_: Class, equations: Sequence[Node]) -> Iterator[Finding]:
     # In each set of connected signals, one may be a source: an output inside, or an input of the class itself.
     sets: list[set[str]] = []
     place: dict[str, Node] = {}
@@ -132,7 +132,7 @@ def _sources(tree: Tree, class_: Class, equations: Sequence[Node]) -> Iterator[s
         for sources in by_signal.values():
             if len(sources) > 1:
                 first = next(place[name] for name in sorted(connected))
-                yield tree.locate(first, f"connect joins two sources of a signal, {sources[0]} and {sources[1]} (9.3)")
+                yield first, f"connect joins two sources of a signal, {sources[0]} and {sources[1]} (9.3)"
 
 
 def _signal_sources(tree: Tree, class_: Class, reference: Node) -> Iterator[str]:

@@ -364,7 +364,7 @@ def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, 
     dae.doubtful.extend(misread_values(tree, flat, selections))
     require_strict(tree, class_name, flat, dae.calls)
     outer = outer_variables(tree, flat)
-    require_values(class_name, flat, sources, outer.keys(), complete=complete)
+    require_values(tree, class_name, flat, outer.keys(), complete=complete)
     impossible = connect_outer(content, outer)
     if impossible:
         raise TranslationError(

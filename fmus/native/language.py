@@ -18,13 +18,12 @@ from railgrip.fmus.native.classes import (
     SIMPLE,
     Class,
     Element,
+    Finding,
     Modifier,
     Node,
-    Sources,
     Tree,
     extends_modifiers,
     join_name,
-    locate,
     prefix,
     without_places,
 )
@@ -64,15 +63,15 @@ def require_strict(tree: Tree, class_name: str, flat: Mapping[str, Node], calls:
         TranslationError: It is legal, and has constructs that rumoca misreads.
     """
     found = [*_Checker(tree, class_name).findings(), *names.findings(tree), *connections.findings(tree, flat)]
-    misread = [*names.misread_clauses(tree), *(sentence for sentence in found if _OURS in sentence)]
-    illegal = (sentence for sentence in found if _OURS not in sentence)
-    refuse(f"{class_name} does not conform to the Modelica language", illegal, InputError)
-    refuse(f"{class_name} has Modelica that the built-in compiler does not translate", misread)
-    refuse(f"{class_name} would call the wrong function", names.confused_calls(tree, calls))
+    misread = [*names.misread_clauses(tree), *(finding for finding in found if _OURS in finding[1])]
+    illegal = [finding for finding in found if _OURS not in finding[1]]
+    refuse(f"{class_name} does not conform to the Modelica language", tree.locate(illegal), InputError)
+    refuse(f"{class_name} has Modelica that the built-in compiler does not translate", tree.locate(misread))
+    refuse(f"{class_name} would call the wrong function", tree.locate(names.confused_calls(tree, calls)))
 
 
 def require_values(
-    class_name: str, variables: Mapping[str, Node], sources: Sources, outer: Set[str], *, complete: bool
+    tree: Tree, class_name: str, variables: Mapping[str, Node], outer: Set[str], *, complete: bool
 ) -> None:
     """Raise an error for parameters and constants without a value, whose start value would be used (4.4.4, 8.6).
 
@@ -80,9 +79,9 @@ def require_values(
     Parameters of the class itself are set by the importer of the FMU.
 
     Args:
+        tree: Declarations of the class and of those that it uses.
         class_name: Full name of the class.
         variables: Variables of the flat class by name.
-        sources: Source texts.
         outer: Names of outer variables, which have the value of an inner one.
         complete: Whether the parameters of components must have a value.
 
@@ -100,8 +99,8 @@ def require_values(
 
     refuse(
         f"{class_name} has parameters or constants without a value",
-        (
-            locate({"span": variable["source_span"]}, f"{kind(name, variable)} {name} has no value", sources)
+        tree.locate(
+            ({"span": variable["source_span"]}, f"{kind(name, variable)} {name} has no value")
             for name, variable in variables.items()
             if kind(name, variable)
         ),
@@ -119,16 +118,16 @@ def refuse(what: str, sentences: Iterable[str], kind: type[InputError] = Transla
 
 @dataclass(frozen=True)
 class _Checker:
-    """Checks of a tree of declarations; methods that yield strings yield findings with file and line.
+    """Checks of a tree of declarations.
 
-    In these, `rank` is the number of dimensions, `outside` is whether modifiers come from outside the modified class,
-    which excludes protected elements, and `depth` is the level of nested modifiers.
+    In its methods, `rank` is the number of dimensions, `outside` is whether modifiers come from outside the modified
+    class, which excludes protected elements, and `depth` is the level of nested modifiers.
     """
 
     tree: Tree
     class_name: str
 
-    def findings(self) -> Iterator[str]:
+    def findings(self) -> Iterator[Finding]:
         top = self.tree.by_name.get(self.class_name)
         if top is not None:
             yield from self._lost_modifiers(top.definition, top.short_name, top, ())
@@ -144,7 +143,7 @@ class _Checker:
             for inner in class_.classes.values():
                 yield from self._local_class(class_, inner)
 
-    def _built_in_name(self, class_: Class) -> Iterator[str]:
+    def _built_in_name(self, class_: Class) -> Iterator[Finding]:
         name = class_.short_name
         if not names.BUILT_IN_FUNCTIONS.fullmatch(name) or class_.kind != "function":
             return
@@ -154,31 +153,31 @@ class _Checker:
         external = rf'\bexternal\s+"builtin"\s+\w+\s*=\s*{name}\s*\('
         text, code = self.tree.text(class_.definition["location"]), self.tree.code(class_)
         if not re.search(external, text) and not re.search(call, code):
-            yield self._locate(
+            yield (
                 class_.definition,
                 f"the function {class_.name} has the name of a built-in one, which the built-in compiler calls instead "
                 "(5.3.1); choose another name",
             )
 
-    def _renamed_functions(self) -> Iterator[str]:
-        for file, content in self.tree.sources.values():
-            text = content.decode(errors="replace")
-            for match in re.finditer(r"\bimport\s+(\w+)\s*=\s*([\w.]+)", text):
-                if names.BUILT_IN_FUNCTIONS.fullmatch(match[1]) and match[2] != f"Modelica.Math.{match[1]}":
-                    line = text.count("\n", 0, match.start()) + 1
+    def _renamed_functions(self) -> Iterator[Finding]:
+        for source, (_, content) in self.tree.sources.items():
+            for match in re.finditer(rb"\bimport\s+(\w+)\s*=\s*([\w.]+)", content):
+                name, function = match[1].decode(), match[2].decode()
+                if names.BUILT_IN_FUNCTIONS.fullmatch(name) and function != f"Modelica.Math.{name}":
                     yield (
-                        f"{file}:{line}: the import {match[1]} has the name of a built-in function, which the built-in "
-                        "compiler calls instead (5.3.1); choose another name"
+                        {"span": {"source": source, "start": match.start()}},
+                        f"the import {name} has the name of a built-in function, which the built-in compiler calls "
+                        "instead (5.3.1); choose another name",
                     )
 
-    def _bases(self, class_: Class) -> Iterator[str]:
+    def _bases(self, class_: Class) -> Iterator[Finding]:
         inherited: dict[str, Element] = {}
         clauses = class_.definition["extends"]
         for clause in clauses:
             base = self.tree.by_id.get(clause["base_def_id"])
             named = join_name(clause["base_name"])
             if named == class_.short_name:
-                yield self._locate(class_.definition, _CLASS_EXTENDS.format(class_.kind, named))
+                yield class_.definition, _CLASS_EXTENDS.format(class_.kind, named)
                 return
             if class_.definition["is_long"] and (class_.components or len(clauses) > 1):
                 if named in SIMPLE or self.tree.simple(base)[0]:
@@ -190,19 +189,17 @@ class _Checker:
                 else:
                     what = ""
                 if what:
-                    yield self._locate(
-                        clause, f"{class_.short_name} extends {named}, {what}, and has other elements (7.1.3)"
-                    )
+                    yield clause, f"{class_.short_name} extends {named}, {what}, and has other elements (7.1.3)"
             if base is None:
                 continue
             allowed = _BASES.get(class_.kind)
             if allowed is not None and base.kind not in (*allowed, "class"):
-                yield self._locate(
+                yield (
                     clause, f"the {class_.kind} {class_.short_name} extends the {base.kind} {named} (7.1.3); "
                     f"the base class must be a {' or '.join(allowed)}"
                 )  # fmt: skip
             if base.definition["is_replaceable"] and not class_.definition["is_redeclare"]:
-                yield self._locate(clause, f"{base.name} is replaceable and cannot be a base class (7.1.4)")
+                yield clause, f"{base.name} is replaceable and cannot be a base class (7.1.4)"
             arguments = extends_modifiers(clause)
             simple, base_rank = self.tree.simple(base)
             if simple:
@@ -214,7 +211,7 @@ class _Checker:
             for argument in arguments:
                 element = elements.get(argument.name)
                 if argument.type and element is not None and element.redeclared and not element.is_class:
-                    yield self._locate(
+                    yield (
                         argument.node,
                         f"the redeclaration of '{argument.name}' is lost in the built-in compiler, because a base "
                         f"class of {class_.short_name} redeclares it as well (7.3); declare it of a replaceable class, "
@@ -226,7 +223,7 @@ class _Checker:
             name = inner.short_name
             base = self._base_with_class(class_, name)
             if name not in inherited and not inner.definition["is_redeclare"] and base is not None:
-                yield self._locate(
+                yield (
                     inner.definition,
                     f"the class {name} is declared, and another in the base class {base.name} (7.1); rename it",
                 )
@@ -234,92 +231,90 @@ class _Checker:
                 continue
             theirs = inherited[name]
             if theirs.type is None or without_places(inner.node) != without_places(theirs.type.node):
-                yield self._locate(
+                yield (
                     inner.definition,
                     f"the class {name} is inherited from {theirs.owner.name} and declared again, differently (7.1)",
                 )
         for name in class_.components.keys() & inherited.keys():
             mine, theirs = self.tree.elements(class_)[name], inherited[name]
             if not mine.node["is_redeclare"] and _compared_parts(mine.node) != _compared_parts(theirs.node):
-                yield self._locate(
-                    mine.node, f"{name} is inherited from {theirs.owner.name} and declared again, differently (7.1)"
-                )
+                yield mine.node, f"{name} is inherited from {theirs.owner.name} and declared again, differently (7.1)"
 
     def _inherited_twice(
         self, class_: Class, clause: Node, first: Mapping[str, Element], second: Mapping[str, Element]
-    ) -> Iterator[str]:
+    ) -> Iterator[Finding]:
         modified = {m.name for c in class_.definition["extends"] for m in extends_modifiers(c)}
         for name in first.keys() & second.keys():
             one, other = first[name], second[name]
             if one.node is other.node and name not in modified:
                 continue
             if one.node is other.node or _compared_parts(one.node) != _compared_parts(other.node):
-                yield self._locate(
+                yield (
                     clause,
                     f"{class_.short_name} inherits {name} twice, from {one.owner.name} and {other.owner.name}, with "
                     "declarations or modifiers that may differ (7.1)",
                 )
 
-    def _class_extends(self, class_: Class) -> Iterator[str]:
+    def _class_extends(self, class_: Class) -> Iterator[Finding]:
         # rumoca's tree omits a class that nothing uses, such as the extended one without the keyword redeclare.
         if class_.kind == "package":
             return
         code, place = self.tree.code(class_), class_.definition["location"]
         for form in re.finditer(rf"\b({KINDS})\s+extends\s+(\w+)", code):
             start = place["start"] + len(code[: form.start()].encode())
-            yield self._locate({"span": place | {"start": start}}, _CLASS_EXTENDS.format(form[1], form[2]))
+            yield {"span": place | {"start": start}}, _CLASS_EXTENDS.format(form[1], form[2])
 
     def _base_with_class(self, class_: Class, name: str) -> Class | None:
         # rumoca's tree omits a class that nothing uses, so that of a base class may be in its text only.
         declaration = re.compile(rf"\b(?:{KINDS})\s+{re.escape(name)}\b")
         return next((base for base in self.tree.bases(class_) if declaration.search(self.tree.code(base))), None)
 
-    def _imports(self, class_: Class) -> Iterator[str]:
+    def _imports(self, class_: Class) -> Iterator[Finding]:
         # rumoca looks up imports before inherited elements.
         inherited = self.tree.inherit(class_)
         for clause in class_.definition["imports"]:
             for name in self.tree.imported_names(clause):
                 if name in inherited or self._base_with_class(class_, name) is not None:
                     ((_, node),) = clause.items()
-                    yield self._locate(
+                    yield (
                         node,
                         f"{class_.short_name} imports {name} and inherits an element {name}, which the built-in "
                         "compiler does not find (5.3.1); write the full name of the imported one without the import",
                     )
 
-    def _enumeration(self, class_: Class) -> Iterator[str]:
+    def _enumeration(self, class_: Class) -> Iterator[Finding]:
         literals = class_.literals
         for literal in sorted(set(literals)):
             if literal in ("quantity", "min", "max", "start", "fixed"):
-                yield self._locate(class_.definition, f"the enumeration {class_.name} has a literal {literal} (4.9.5)")
+                yield class_.definition, f"the enumeration {class_.name} has a literal {literal} (4.9.5)"
             if literals.count(literal) > 1:
-                yield self._locate(class_.definition, f"the enumeration {class_.name} has {literal} twice (4.9.5)")
+                yield class_.definition, f"the enumeration {class_.name} has {literal} twice (4.9.5)"
 
-    def _prefixes(self, class_: Class, name: str, element: Element) -> Iterator[str]:
+    def _prefixes(self, class_: Class, name: str, element: Element) -> Iterator[Finding]:
         node = element.node
         if name in SIMPLE:
-            yield self._locate(node, f"a component has the name {name} of a predefined type (4.9)")
+            yield node, f"a component has the name {name} of a predefined type (4.9)"
         if class_.kind == "record" and (node["inner"] or node["outer"]):
-            yield self._locate(node, f"{name} of the record {class_.short_name} is inner or outer (4.7)")
+            yield node, f"{name} of the record {class_.short_name} is inner or outer (4.7)"
         if node["inner"] and node["outer"]:
-            yield self._locate(
+            yield (
                 node, f"{name} is inner and outer, which the built-in compiler does not support (5.4); declare an "
                 "inner component of another name that is modified with values of the outer one"
             )  # fmt: skip
         prefixes = " ".join(p for p in (element.variability, element.causality) if p)
         if prefixes and element.type is not None and element.type.kind in ("model", "block"):
-            yield self._locate(
+            yield (
                 node, f"{name} is {prefixes} and of the {element.type.kind} {element.type.name} (4.4.2.2); "
                 "only simple types, records and connectors can be"
             )  # fmt: skip
         if node["outer"] and node["binding"] is None and element.variability == "" and element.simple == "Real":
-            yield self._locate(
+            yield (
                 node, f"the built-in compiler does not support the outer Real variable {name} (5.4); declare it in a "
                 f"model, such as `model World Real {name}; end World;`, and write `inner World world` and "
                 f"`outer World world`"
             )  # fmt: skip
 
-    def _component(self, class_: Class, name: str, node: Node) -> Iterator[str]:
+    def _component(self, class_: Class, name: str, node: Node) -> Iterator[Finding]:
         element = self.tree.elements(class_)[name]
         yield from self._prefixes(class_, name, element)
         yield from self._constraint(class_, name, element)
@@ -331,20 +326,20 @@ class _Checker:
                 yield from self._attributes(class_, modifiers, name, element.rank)
             return
         if element.type.definition["array_subscripts"]:
-            yield self._locate(
+            yield (
                 node, f"the class {element.type.name} of {name} is an array, which the built-in compiler does not "
                 f"support; write the subscripts on {name}"
             )  # fmt: skip
         if modifiers and element.type.definition["is_final"]:
-            yield self._locate(node, f"{name} modifies the class {element.type.name}, which is final (7.2.6)")
+            yield node, f"{name} modifies the class {element.type.name}, which is final (7.2.6)"
         yield from self._modifiers(class_, modifiers, element.type, rank=element.rank, outside=True, depth=0)
         yield from self._lost_modifiers(node, name, element.type, modifiers)
 
-    def _local_class(self, class_: Class, inner: Class) -> Iterator[str]:
+    def _local_class(self, class_: Class, inner: Class) -> Iterator[Finding]:
         definition = inner.definition
         short = inner.short_name
         if short in SIMPLE:
-            yield self._locate(definition, f"a class has the name {short} of a predefined type (4.9)")
+            yield definition, f"a class has the name {short} of a predefined type (4.9)"
         if definition["constrainedby"]:
             constraint = self.tree.resolve(join_name(definition["constrainedby"]), class_)
             own = len(definition["array_subscripts"] or ())
@@ -352,7 +347,7 @@ class _Checker:
         if definition["constrainedby"] and re.search(
             r"\bconstrainedby\s+[\w.]+\s*\(", self.tree.text_of(definition["location"])
         ):
-            yield self._locate(
+            yield (
                 definition,
                 f"modifiers in the constraining clause of the class {short} are lost in the built-in compiler (7.3.2); "
                 f"write them on components of type {short}",
@@ -363,7 +358,7 @@ class _Checker:
             if original is not None:
                 yield from self._subtype(definition, short, inner, original.type)
 
-    def _constraint(self, class_: Class, name: str, element: Element) -> Iterator[str]:
+    def _constraint(self, class_: Class, name: str, element: Element) -> Iterator[Finding]:
         named = element.node["constrainedby"]
         constraint = self.tree.resolve(join_name(named), class_) if named else None
         if constraint is None:
@@ -371,7 +366,7 @@ class _Checker:
         allowed = self.tree.elements(constraint)
         for modified in element.constraint_modifiers or {}:
             if modified not in allowed:
-                yield self._locate(
+                yield (
                     element.node, f"the constraining clause of {name} modifies '{modified}', which {constraint.name} "
                     "does not have (7.3.2)"
                 )  # fmt: skip
@@ -379,13 +374,13 @@ class _Checker:
 
     def _subtype(
         self, node: Node, name: str, new: Class | None, constraint: Class | None, own_rank: int = 0
-    ) -> Iterator[str]:
+    ) -> Iterator[Finding]:
         # The dimensions that a declaration itself adds to its type do not count.
         if new is None or constraint is None:
             return
         simple, rank = self.tree.simple(new)
         if (simple, rank - own_rank) != self.tree.simple(constraint):
-            yield self._locate(
+            yield (
                 node, f"{name} is of {new.name}, whose type or number of dimensions is not that of {constraint.name} "
                 "(7.3.2)"
             )  # fmt: skip
@@ -396,11 +391,9 @@ class _Checker:
             if not e.protected and (n not in has or has[n].protected)
         )
         if missing:
-            yield self._locate(
-                node, f"{name} is of {new.name}, which lacks {', '.join(missing)} of {constraint.name} (7.3.2)"
-            )
+            yield node, f"{name} is of {new.name}, which lacks {', '.join(missing)} of {constraint.name} (7.3.2)"
 
-    def _element_redeclaration(self, class_: Class, name: str, element: Element) -> Iterator[str]:
+    def _element_redeclaration(self, class_: Class, name: str, element: Element) -> Iterator[Finding]:
         original = self.tree.inherit(class_).get(name)
         yield from self._redeclared_element(class_, element.node, name, original, element.protected)
         if original is None:
@@ -409,7 +402,7 @@ class _Checker:
         bound = self.tree.resolve(join_name(constraint), original.owner) if constraint else original.type
         yield from self._subtype(element.node, name, element.type, bound)
         if original.constraint_modifiers or (original.constraint_modifiers is None and original.modifiers):
-            yield self._locate(
+            yield (
                 element.node,
                 f"the redeclaration of {name} would lose the modifiers of its constraining type in the built-in "
                 f"compiler (7.3.2); redeclare it in the extends clause",
@@ -417,61 +410,59 @@ class _Checker:
 
     def _redeclared_element(
         self, class_: Class, node: Node, name: str, original: Element | None, protected: bool
-    ) -> Iterator[str]:
+    ) -> Iterator[Finding]:
         if original is None:
-            yield self._locate(node, f"{name} is redeclared, but {class_.name} does not inherit it (7.3)")
+            yield node, f"{name} is redeclared, but {class_.name} does not inherit it (7.3)"
             return
         if not original.replaceable:
-            yield self._locate(node, f"{name} is redeclared, but is not replaceable (7.3.3)")
+            yield node, f"{name} is redeclared, but is not replaceable (7.3.3)"
         if original.node["is_final"]:
-            yield self._locate(node, f"{name} is redeclared, but is final in {original.owner.name} (7.2.6)")
+            yield node, f"{name} is redeclared, but is final in {original.owner.name} (7.2.6)"
         if original.variability == "constant":
-            yield self._locate(node, f"{name} is redeclared, but is a constant of {original.owner.name} (7.3.3)")
+            yield node, f"{name} is redeclared, but is a constant of {original.owner.name} (7.3.3)"
         if original.protected != protected:
             before, after = ("protected", "public") if original.protected else ("public", "protected")
-            yield self._locate(
-                node, f"{name} is redeclared as {after}, but is {before} in {original.owner.name} (7.3.3)"
-            )
+            yield node, f"{name} is redeclared as {after}, but is {before} in {original.owner.name} (7.3.3)"
 
     def _modifiers(
         self, scope: Class, modifiers: Sequence[Modifier], target: Class, *, rank: int, outside: bool, depth: int
-    ) -> Iterator[str]:
+    ) -> Iterator[Finding]:
         yield from self._duplicates(modifiers)
         elements = self.tree.elements(target)
         for modifier in modifiers:
             name, element = modifier.name, elements.get(modifier.name)
             if element is None:
-                yield self._locate(modifier.node, f"'{name}' is modified, which {target.name} does not have (7.2)")
+                yield modifier.node, f"'{name}' is modified, which {target.name} does not have (7.2)"
                 continue
             if outside and element.protected:
-                yield self._locate(modifier.node, f"'{name}' is modified, which is protected in {target.name} (4.1)")
+                yield modifier.node, f"'{name}' is modified, which is protected in {target.name} (4.1)"
             if modifier.node["is_dotted"]:
                 path = next(modifier.leaves(), name)
-                yield self._locate(
+                yield (
                     modifier.node,
                     f"the modifier of '{path}' would be lost in the built-in compiler (7.2); write nested brackets: "
                     f"{path.replace('.', '(')} = ...{')' * path.count('.')}",
                 )
             if not element.is_class and element.node["outer"]:
-                yield self._locate(
+                yield (
                     modifier.node, f"'{name}' is modified, which is outer in {element.owner.name} (5.4); modify the "
                     "inner component"
                 )  # fmt: skip
             if modifier.value is not None and "ClassModification" in modifier.value:
-                yield self._locate(
+                yield (
                     modifier.node,
                     f"'{name}' is replaced without the keyword redeclare; write `redeclare replaceable` (7.3)",
                 )
                 continue
             if element.is_class and not modifier.type and modifier.value is not None:
-                yield self._locate(
+                yield (
                     modifier.node,
                     f"the class '{name}' is replaced without the keyword redeclare; write "
                     f"`redeclare {element.node['class_type'].lower()} {name} = ...` (7.3)"
                 )  # fmt: skip
                 continue
             if element.is_class and not modifier.type:
-                yield self._locate(
+                yield (
                     modifier.node, f"the modifiers of the class '{name}' would be lost in the built-in compiler (7.2); "
                     f"write them on components of type {name}"
                 )  # fmt: skip
@@ -486,30 +477,28 @@ class _Checker:
                     yield from self._attributes(scope, modifier.inner, name, around + element.rank)
                 continue
             if element.node.get("binding") is not None and any(m.value is not None for m in modifier.inner):
-                yield self._locate(
-                    modifier.node, f"a part of '{name}' is modified, which has a value as a whole (7.2.3)"
-                )
+                yield modifier.node, f"a part of '{name}' is modified, which has a value as a whole (7.2.3)"
             yield from self._modifiers(
                 scope, modifier.inner, element.type, rank=around + element.rank, outside=True, depth=depth + 1
             )
 
-    def _redeclaration(self, scope: Class, modifier: Modifier, element: Element, depth: int) -> Iterator[str]:
+    def _redeclaration(self, scope: Class, modifier: Modifier, element: Element, depth: int) -> Iterator[Finding]:
         name, new = modifier.name, self.tree.resolve(modifier.type, scope)
         if depth:
-            yield self._locate(
+            yield (
                 modifier.node,
                 f"the redeclaration of '{name}' inside the modifiers of a component is lost in the built-in compiler; "
                 "make a class replaceable at each level and redeclare that",
             )
         if not element.replaceable:
-            yield self._locate(modifier.node, f"'{name}' is redeclared, but is not replaceable (7.3.3)")
+            yield modifier.node, f"'{name}' is redeclared, but is not replaceable (7.3.3)"
         if element.node["is_final"]:
-            yield self._locate(modifier.node, f"'{name}' is redeclared, but is final in {element.owner.name} (7.2.6)")
+            yield modifier.node, f"'{name}' is redeclared, but is final in {element.owner.name} (7.2.6)"
         # rumoca's tree omits a value that follows modifiers in brackets.
         argument = self._argument_text(modifier)
         follows = re.sub(r"\([^()]*(?:\([^()]*\)[^()]*)*\)", "", argument).partition('"')[0]
         if modifier.value is not None or (not element.is_class and re.match(r"[\w.\[\]:\s]*=", follows)):
-            yield self._locate(
+            yield (
                 modifier.node,
                 f"the value of the redeclaration of '{name}' would be lost in the built-in compiler (7.3); if its type "
                 f"remains, write `{name} = ...` without redeclare, else write a class that extends "
@@ -517,19 +506,19 @@ class _Checker:
                 f"`redeclare {modifier.type} {name} = ...;`",
             )
         if re.search(r"\bconstrainedby\s+[\w.]+\s*\(", argument):
-            yield self._locate(
+            yield (
                 modifier.node,
                 f"the constraining clause in the redeclaration of '{name}' would be lost in the built-in compiler "
                 "(7.3.2); write a class that extends the other and redeclares it as an element",
             )
         if element.is_class and element.modifiers:
-            yield self._locate(
+            yield (
                 modifier.node,
                 f"the redeclaration of '{name}' would lose the modifiers of its declaration in the built-in compiler "
                 f"(7.3.2); write them on components of type {name}",
             )
         if element.is_class and modifier.inner:
-            yield self._locate(
+            yield (
                 modifier.node,
                 f"the modifiers of the class that replaces '{name}' are lost in the built-in compiler; replace it by a "
                 "class of your own that extends that class with the modifiers",
@@ -538,7 +527,7 @@ class _Checker:
             for m in element.modifiers:
                 written = m.value if m.value is not None and not m.inner else m.node
                 if without_places(written) != without_places(element.constraint_modifiers.get(m.name)):
-                    yield self._locate(
+                    yield (
                         element.node,
                         f"'{m.name}' is modified on the declaration of {name} and not, or otherwise, in its "
                         f"constraining clause: redeclared, {name} loses it (7.3.2); write "
@@ -546,7 +535,7 @@ class _Checker:
                     )
         simple, rank = (modifier.type, 0) if modifier.type in SIMPLE else self.tree.simple(new)
         if element.is_class and element.type is not None and (simple, rank) != self.tree.simple(element.type):
-            yield self._locate(
+            yield (
                 modifier.node,
                 f"'{name}' is replaced by {modifier.type}, whose type or number of dimensions is not that of "
                 f"{element.type.name} (7.3.2)",
@@ -555,41 +544,41 @@ class _Checker:
             yield from self._modifiers(scope, modifier.inner, new, rank=element.rank, outside=True, depth=depth + 1)
             yield from self._lost_modifiers(modifier.node, name, new, modifier.inner)
 
-    def _lost_modifiers(self, node: Node, name: str, used: Class, modifiers: Sequence[Modifier]) -> Iterator[str]:
+    def _lost_modifiers(self, node: Node, name: str, used: Class, modifiers: Sequence[Modifier]) -> Iterator[Finding]:
         # rumoca reads a constraining clause only where the class is redeclared.
         redeclared = {m.name for m in modifiers if m.type}
         for part, element in self.tree.elements(used).items():
             if element.lost_in_clause and part not in redeclared:
-                yield self._locate(
+                yield (
                     node,
                     f"{name} does not redeclare '{part}' of {used.name}: the built-in compiler would lose the "
                     f"modifiers of its constraining clause, {', '.join(element.lost_in_clause)} (7.3.2); redeclare it, "
                     "or write them on its declaration as well",
                 )
 
-    def _attributes(self, scope: Class, modifiers: Sequence[Modifier], name: str, rank: int) -> Iterator[str]:
+    def _attributes(self, scope: Class, modifiers: Sequence[Modifier], name: str, rank: int) -> Iterator[Finding]:
         yield from self._duplicates(modifiers)
         for modifier in modifiers:
             if modifier.name not in _ATTRIBUTES:
-                yield self._locate(modifier.node, f"'{modifier.name}' is not an attribute of {name} (4.9)")
+                yield modifier.node, f"'{modifier.name}' is not an attribute of {name} (4.9)"
             yield from self._rank(scope, modifier, 0 if modifier.each else rank)
 
-    def _rank(self, scope: Class, modifier: Modifier, required: int) -> Iterator[str]:
+    def _rank(self, scope: Class, modifier: Modifier, required: int) -> Iterator[Finding]:
         found = None if modifier.value is None else self.rank(modifier.value, scope)
         if found is not None and found != required:
             what = ("a scalar", "a vector", "a matrix")[min(found, 2)]
             hint = "; write `each`" if found < required and not modifier.each else ""
-            yield self._locate(
+            yield (
                 modifier.node,
                 f"'{modifier.name}' is given {what} where {required} dimensions are required (7.2.5){hint}",
             )
 
-    def _duplicates(self, modifiers: Sequence[Modifier]) -> Iterator[str]:
+    def _duplicates(self, modifiers: Sequence[Modifier]) -> Iterator[Finding]:
         counts = Counter(leaf for modifier in modifiers for leaf in modifier.leaves())
         for modifier in modifiers:
             for leaf in modifier.leaves():
                 if counts[leaf] > 1:
-                    yield self._locate(modifier.node, f"'{leaf}' is modified twice (7.2.4)")
+                    yield modifier.node, f"'{leaf}' is modified twice (7.2.4)"
 
     def rank(self, value: Node, scope: Class) -> int | None:
         """Return the number of dimensions of an expression, None if its form alone does not determine it."""
@@ -620,9 +609,6 @@ class _Checker:
             if depth < 0 or (not depth and character == ","):
                 return text[:i]
         return text
-
-    def _locate(self, node: Node, sentence: str) -> str:
-        return self.tree.locate(node, sentence)
 
 
 def _compared_parts(node: Node) -> Any:

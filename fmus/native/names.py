@@ -14,10 +14,12 @@ from railgrip.fmus.native.classes import (
     SIMPLE,
     Class,
     Element,
+    Finding,
     Modifier,
     Node,
     Tree,
     extends_modifiers,
+    parts_of,
     path_of,
     walk,
 )
@@ -50,8 +52,8 @@ Kind = str | Class
 """A simple type: Real, Integer, Boolean, String or the class of an enumeration."""
 
 
-def findings(tree: Tree) -> Iterator[str]:
-    """Yield a sentence with file and line for each name, type or constant that is misread or forbidden."""
+def findings(tree: Tree) -> Iterator[Finding]:
+    """Yield a finding for each name, type or constant that is misread or forbidden."""
     for class_ in tree.every:
         yield from _Names(tree, class_).findings()
     yield from _computed_constants(tree)
@@ -62,8 +64,8 @@ def findings(tree: Tree) -> Iterator[str]:
                 yield from _shared_constants(tree, class_, clause, base)
 
 
-def misread_clauses(tree: Tree) -> Iterator[str]:
-    """Yield a sentence with file and line for each valid when clause that rumoca misreads or cannot name."""
+def misread_clauses(tree: Tree) -> Iterator[Finding]:
+    """Yield a finding for each valid when clause that rumoca misreads or cannot name."""
     for class_ in tree.every:
         if class_.kind != "function":
             yield from _Names(tree, class_).misread_clauses()
@@ -104,7 +106,8 @@ def misread_values(
                 f"{name} decides equations or sizes, and the built-in compiler would take its default in place of a "
                 "value that is computed from an array (4.5); give a number, a scalar parameter, or a list of these"
             )
-            yield name, default, tree.locate(node, sentence)
+            (located,) = tree.locate([(node, sentence)])
+            yield name, default, located
 
 
 def _reads_array(value: Any, flat: Mapping[str, Node], tree: Tree) -> bool:
@@ -140,7 +143,7 @@ class _Reference:
         bound: Iteration variables around it.
     """
 
-    parts: tuple[str, ...]
+    parts: list[str]
     node: Node
     is_global: bool = False
     in_connect: bool = False
@@ -162,7 +165,7 @@ def references(tree: Any) -> Iterator[_Reference]:
 
 
 def _reference(node: Node, bound: frozenset[str], *, in_connect: bool = False) -> _Reference:
-    return _Reference(_parts(node), node, is_global=bool(node.get("local")), in_connect=in_connect, bound=bound)
+    return _Reference(parts_of(node), node, is_global=bool(node.get("local")), in_connect=in_connect, bound=bound)
 
 
 def _inside(kind: str, tree: Any) -> Iterator[Any]:
@@ -172,10 +175,6 @@ def _inside(kind: str, tree: Any) -> Iterator[Any]:
             yield node[kind]
 
 
-def _parts(reference: Node) -> tuple[str, ...]:
-    return tuple(part["ident"]["text"] for part in reference["parts"])
-
-
 @dataclass(frozen=True)
 class _Names:
     """Checks of the expressions in one class."""
@@ -183,7 +182,7 @@ class _Names:
     tree: Tree
     class_: Class
 
-    def findings(self) -> Iterator[str]:
+    def findings(self) -> Iterator[Finding]:
         yield from self._types()
         for expression in self._expressions():
             for reference in references(expression):
@@ -200,7 +199,7 @@ class _Names:
         yield [a["expr"] for clause in self.class_.definition["extends"] for a in clause["modifications"]]
         yield self.class_.content
 
-    def _types(self) -> Iterator[str]:
+    def _types(self) -> Iterator[Finding]:
         for name, node in self.class_.components.items():
             yield from self._type(name, node["type_name"], node["type_def_id"], self.class_)
         scope = self.class_
@@ -209,8 +208,8 @@ class _Names:
         for clause in self.class_.definition["extends"]:
             yield from self._type(self.class_.short_name, clause["base_name"], clause["base_def_id"], scope)
 
-    def _type(self, name: str, written: Node, number: int | None, scope: Class) -> Iterator[str]:
-        parts = tuple(part["text"] for part in written["name"])
+    def _type(self, name: str, written: Node, number: int | None, scope: Class) -> Iterator[Finding]:
+        parts = [part["text"] for part in written["name"]]
         if not parts or (len(parts) == 1 and parts[0] in SIMPLE):
             return
         node = written["name"][0]
@@ -218,76 +217,62 @@ class _Names:
         path = self._path(parts, scope, is_global)
         yield from self._protected(node, path, parts)
         last, used = (path[-1] if len(path) == len(parts) else None), self.tree.by_id.get(number or -1)
-        meant = last.type if isinstance(last, Element) and last.is_class else last
-        if is_global and (local := self.tree.look_up(parts[0], scope)) is not self.tree.roots.get(parts[0]):
-            owner = f" in {local.owner.name}" if isinstance(local, Element) else ""
-            yield self.tree.locate(
+        meant = last.type if last is not None and last.is_class else None
+        local = self.tree.look_up(parts[0], scope)
+        if is_global and local is not None and local is not self.tree.roots.get(parts[0]):
+            yield (
                 node,
-                f"the built-in compiler reads .{'.'.join(parts)}, the type of {name}, as the local {parts[0]}{owner} "
-                "(5.3.3); rename the local one",
+                f"the built-in compiler reads .{'.'.join(parts)}, the type of {name}, as the local {parts[0]} in "
+                f"{local.owner.name} (5.3.3); rename the local one",
             )
             return
-        redeclared = any(isinstance(e, Element) and e.redeclared for e in path)
-        if isinstance(meant, Class) and used is not None and meant is not used and not redeclared:
-            yield self.tree.locate(
+        redeclared = any(element.redeclared for element in path)
+        if meant is not None and used is not None and meant is not used and not redeclared:
+            yield (
                 node,
                 f"the built-in compiler reads the type {'.' * is_global}{'.'.join(parts)} of {name} as {used.name}, "
                 f"but it is {meant.name} (5.3); rename one of them",
             )
 
-    def _reference(self, reference: _Reference) -> Iterator[str]:
+    def _reference(self, reference: _Reference) -> Iterator[Finding]:
         first, node = reference.parts[0], reference.node
         if first in reference.bound:
             return
         if first == "time" and len(reference.parts) == 1 and self.class_.kind not in ("model", "block", "class"):
-            yield self.tree.locate(node, f"the {self.class_.kind} {self.class_.short_name} uses time (3.6.7)")
+            yield node, f"the {self.class_.kind} {self.class_.short_name} uses time (3.6.7)"
             return
         if reference.is_global:
             found = self.tree.look_up(first, self.class_)
             # A function with the name of a built-in one is equal to it, or `language` refuses it.
             is_function = BUILT_IN_FUNCTIONS.fullmatch(first) and self.tree.resolve(first, self.class_) is not None
             if found is not None and found is not self.tree.roots.get(first) and not is_function:
-                yield self.tree.locate(
+                yield (
                     node,
                     f"the built-in compiler reads .{reference.text} as the local {first} (5.3.3); rename the local one",
                 )
         path = self._path(reference.parts, self.class_, reference.is_global)
         yield from self._protected(node, path, reference.parts)
         for element, part in zip(path, reference.parts, strict=False):
-            if not isinstance(element, Element) or element.is_class:
-                continue
-            if element.node["condition"] is not None and not reference.in_connect:
-                yield self.tree.locate(
-                    node, f"{reference.text} uses the conditional component {part}, which only connect may (4.4.5)"
-                )
+            if not element.is_class and element.node["condition"] is not None and not reference.in_connect:
+                yield node, f"{reference.text} uses the conditional component {part}, which only connect may (4.4.5)"
         for element, following in pairwise(path):
-            is_array = isinstance(element, Element) and not element.is_class and element.rank
-            if is_array and isinstance(following, Element) and following.is_class:
-                yield self.tree.locate(node, f"{reference.text} is a class in an array of components (5.3.2)")
+            if not element.is_class and element.rank and following.is_class:
+                yield node, f"{reference.text} is a class in an array of components (5.3.2)"
 
-    def _protected(self, node: Node, path: Sequence[Element | Class], parts: Sequence[str]) -> Iterator[str]:
+    def _protected(self, node: Node, path: Sequence[Element], parts: Sequence[str]) -> Iterator[Finding]:
         for element, part in list(zip(path, parts, strict=False))[1:]:
-            if isinstance(element, Element) and element.protected:
-                yield self.tree.locate(
-                    node, f"{'.'.join(parts)} uses {part}, which is protected in {element.owner.name} (4.1)"
-                )
+            if element.protected:
+                yield node, f"{'.'.join(parts)} uses {part}, which is protected in {element.owner.name} (4.1)"
 
-    def _path(self, parts: Sequence[str], scope: Class, is_global: bool) -> list[Element | Class]:
+    def _path(self, parts: Sequence[str], scope: Class, is_global: bool) -> list[Element]:
         # The elements that the parts of a name denote, as far as they are known.
-        found = self.tree.roots.get(parts[0]) if is_global else self.tree.look_up(parts[0], scope)
-        path: list[Element | Class] = []
-        for part in (*parts[1:], None):
-            if found is None:
-                break
-            path.append(found)
-            type_ = found if isinstance(found, Class) else found.type
-            found = None if type_ is None or part is None else self.tree.elements(type_).get(part)
-        return path
+        first = self.tree.roots.get(parts[0]) if is_global else self.tree.look_up(parts[0], scope)
+        return self.tree.follow(first, parts[1:])
 
-    def _path_of(self, reference: Node) -> list[Element | Class]:
-        return self._path(_parts(reference), self.class_, bool(reference.get("local")))
+    def _path_of(self, reference: Node) -> list[Element]:
+        return self._path(parts_of(reference), self.class_, bool(reference.get("local")))
 
-    def _short_class(self) -> Iterator[str]:
+    def _short_class(self) -> Iterator[Finding]:
         inherited = self.tree.inherit(self.class_)
         around = self.tree.by_name.get(self.class_.name.rpartition(".")[0])
         for clause in self.class_.definition["extends"]:
@@ -297,49 +282,49 @@ class _Names:
                 if element is None or first in reference.bound or reference.is_global:
                     continue
                 if around is None or self.tree.look_up(first, around) != element:
-                    yield self.tree.locate(
+                    yield (
                         reference.node,
                         f"the built-in compiler reads {first} in the modifiers of the short class "
                         f"{self.class_.short_name} as the element of {element.owner.name}, but it is that of the class "
                         f"around {self.class_.short_name} (5.3); rename that one",
                     )
 
-    def misread_clauses(self) -> Iterator[str]:
-        """Yield a sentence for each when clause that rumoca misreads or cannot name."""
+    def misread_clauses(self) -> Iterator[Finding]:
+        """Yield a finding for each when clause that rumoca misreads or cannot name."""
         equations, _, algorithms, _ = self.class_.node["sections"]
         # Of several assignments of a variable rumoca keeps one, and ignores the conditions around it.
         for when in _inside("When", algorithms):
-            yield self._locate_keyword("when", when[0]["cond"], _ALGORITHM)
+            yield self._keyword("when", when[0]["cond"]), _ALGORITHM
         for node in _inside("If", equations):
             branches = [*(block["eqs"] for block in node["cond_blocks"]), node["else_block"] or []]
             clauses = [clause for branch in branches for clause in islice(_inside("When", branch), 1)]
             for when in clauses[1:]:
-                yield self._locate_keyword("when", when[0]["cond"], _BRANCHES)
+                yield self._keyword("when", when[0]["cond"]), _BRANCHES
         for when in _inside("When", equations):
             for node, _ in walk([block["eqs"] for block in when]):
                 target, sentence = node["Simple"]["lhs"] if "Simple" in node else {}, _ELEMENT
                 if "FunctionCall" in node and path_of(node["FunctionCall"]["comp"]) == "reinit":
                     target, sentence = node["FunctionCall"]["args"][0], _REINIT
                 if "ComponentReference" in target and target["ComponentReference"]["parts"][-1]["subs"]:
-                    yield self.tree.locate(target["ComponentReference"], sentence)
+                    yield target["ComponentReference"], sentence
             for node in _inside("If", [block["eqs"] for block in when]):
                 conditions = [block["cond"] for block in node["cond_blocks"]]
                 if not all(map(self._is_parameter, conditions)):
-                    yield self._locate_keyword("if", conditions[0], _INSIDE)
+                    yield self._keyword("if", conditions[0]), _INSIDE
 
-    def _locate_keyword(self, keyword: str, condition: Node, sentence: str) -> str:
+    def _keyword(self, keyword: str, condition: Node) -> Node:
         # rumoca's tree has no place of the keyword in front of a condition.
         place = next(node["span"] for node, _ in walk(condition) if "span" in node)
         before = self.tree.text(place | {"start": 0, "end": place["start"]}).rpartition(keyword)[0]
-        return self.tree.locate({"span": place | {"start": len(before.encode())}}, sentence)
+        return {"span": place | {"start": len(before.encode())}}
 
-    def _lost_assertions(self) -> Iterator[str]:
+    def _lost_assertions(self) -> Iterator[Finding]:
         # rumoca drops the assertions of an if equation unless it can decide its condition at translation.
         for node in _inside("If", self.class_.content if self.class_.kind != "function" else []):
             if not all(self._is_parameter(block["cond"]) for block in node["cond_blocks"]):
                 for inside, _ in walk(node):
                     if "FunctionCall" in inside and path_of(inside["FunctionCall"]["comp"]) == "assert":
-                        yield self.tree.locate(
+                        yield (
                             inside["FunctionCall"]["comp"],
                             "the built-in compiler drops an assertion in an if equation whose condition changes "
                             "(8.3.4); write `assert(not condition or ..., ...)` outside of it",
@@ -350,12 +335,10 @@ class _Names:
             if reference.parts[0] in reference.bound:
                 continue
             path = self._path(reference.parts, self.class_, reference.is_global)
-            if any(isinstance(e, Element) and e.variability in ("parameter", "constant") for e in path):
+            if any(element.variability in ("parameter", "constant") for element in path):
                 continue
-            last = path[-1] if path else None
-            if isinstance(last, Element) and last.is_class:
-                last = last.type
-            if isinstance(last, Class) and (last.kind == "function" or last.literals):
+            class_ = path[-1].type if path and path[-1].is_class else None
+            if class_ is not None and (class_.kind == "function" or class_.literals):
                 continue
             if not path and reference.parts[0] not in ("time", "initial", "terminal", "sample"):
                 continue  # a built-in function
@@ -397,26 +380,25 @@ class _Names:
         return "Integer" if kinds == ["Integer", "Integer"] and node["op"] in ("Add", "Sub", "Mul") else "Real"
 
     def _reference_kind(self, node: Node, bound: frozenset[str]) -> Kind | None:
-        parts, path = _parts(node), self._path_of(node)
+        parts, path = parts_of(node), self._path_of(node)
         if parts[0] in bound or not path:
             return None
         last = path[-1]
         if len(path) == len(parts):
-            return None if isinstance(last, Class) or last.is_class else last.simple
-        type_ = last if isinstance(last, Class) else last.type if last.is_class else None
-        literals = None if type_ is None else self.tree.simple(type_)[0]
+            return last.simple
+        literals = self.tree.simple(last.type)[0] if last.is_class else None
         is_literal = len(path) == len(parts) - 1 and isinstance(literals, Class) and parts[-1] in literals.literals
         return literals if is_literal else None
 
     def _mismatch(
         self, node: Node, what: str, target: Kind | None, value: Node | None, bound: frozenset[str] = frozenset()
-    ) -> Iterator[str]:
+    ) -> Iterator[Finding]:
         found = None if value is None or "Empty" in value else self.kind(value, bound)
         if target is None or found is None or _fits(target, found):
             return
-        yield self.tree.locate(node, f"{what} is of {_named(target)}, but its value is of {_named(found)} (6.7)")
+        yield node, f"{what} is of {_named(target)}, but its value is of {_named(found)} (6.7)"
 
-    def _bindings(self) -> Iterator[str]:
+    def _bindings(self) -> Iterator[Finding]:
         elements = self.tree.elements(self.class_)
         for name, node in self.class_.components.items():
             element = elements[name]
@@ -429,7 +411,7 @@ class _Names:
             if base is not None:
                 yield from self._modifiers(extends_modifiers(clause), base)
 
-    def _modifiers(self, modifiers: Sequence[Modifier], target: Class) -> Iterator[str]:
+    def _modifiers(self, modifiers: Sequence[Modifier], target: Class) -> Iterator[Finding]:
         for modifier in modifiers:
             element = self.tree.elements(target).get(modifier.name)
             if element is None or element.is_class or modifier.type:
@@ -439,7 +421,7 @@ class _Names:
             if element.type is not None:
                 yield from self._modifiers(modifier.inner, element.type)
 
-    def _mismatches(self, tree: Any) -> Iterator[str]:
+    def _mismatches(self, tree: Any) -> Iterator[Finding]:
         for node, bound in walk(tree):
             for key, value in node.items():
                 if key == "Binary" and value["op"] in _COMPARISONS:
@@ -460,16 +442,16 @@ class _Names:
                 elif key == "FunctionCall":
                     yield from self._arguments(value)
 
-    def _pair(self, values: Sequence[Node], bound: frozenset[str], what: str) -> Iterator[str]:
+    def _pair(self, values: Sequence[Node], bound: frozenset[str], what: str) -> Iterator[Finding]:
         kinds = [kind for kind in (self.kind(value, bound) for value in values) if kind is not None]
         for other in kinds[1:]:
             if not (_fits(kinds[0], other) or _fits(other, kinds[0])):
                 place = next((node for node, _ in walk(values) if node.get("span")), None)
                 if place is not None:
                     sentence = f"{what} has values of {_named(kinds[0])} and of {_named(other)} (6.7)"
-                    yield self.tree.locate(place, sentence)
+                    yield place, sentence
 
-    def _arguments(self, call: Node) -> Iterator[str]:
+    def _arguments(self, call: Node) -> Iterator[Finding]:
         function = self.tree.resolve(path_of(call["comp"]), self.class_)
         if function is None or function.kind not in ("function", "record"):
             return
@@ -488,18 +470,18 @@ class _Names:
             if name in inputs:
                 yield from self._mismatch(call["comp"], f"argument {name}", inputs[name].simple, value)
 
-    def _discrete(self, target: Node, value: Node) -> Iterator[str]:
+    def _discrete(self, target: Node, value: Node) -> Iterator[Finding]:
         if "ComponentReference" in target:
             node = target["ComponentReference"]
             path = self._path_of(node)
-            if len(path) == len(node["parts"]) and isinstance(path[-1], Element):
+            if len(path) == len(node["parts"]):
                 yield from self._continuous(node, path_of(node), path[-1], value)
 
-    def _continuous(self, node: Node, name: str, element: Element, value: Node | None) -> Iterator[str]:
+    def _continuous(self, node: Node, name: str, element: Element, value: Node | None) -> Iterator[Finding]:
         if value is None or element.simple in (None, "Real") or element.variability in ("parameter", "constant"):
             return
         if element.causality != "input" and self.class_.kind != "function" and self._is_continuous(value):
-            yield self.tree.locate(
+            yield (
                 node, f"{name} changes at events only, but the function or noEvent in its value does not (3.8.3); "
                 "use Real, or relations without noEvent"
             )  # fmt: skip
@@ -532,9 +514,8 @@ class _Names:
         if path_of(node) == "time":
             return True
         path = self._path_of(node)
-        if any(isinstance(e, Element) and e.variability for e in path):
-            return False
-        return len(path) == len(node["parts"]) and isinstance(path[-1], Element) and path[-1].simple == "Real"
+        is_known = len(path) == len(node["parts"]) and not any(element.variability for element in path)
+        return is_known and path[-1].simple == "Real"
 
 
 def _named(kind: Kind) -> str:
@@ -563,8 +544,8 @@ class Call:
     node: Node
 
 
-def confused_calls(tree: Tree, calls: Iterable[Call]) -> Iterator[str]:
-    """Yield a sentence for each call for which rumoca took another function of the same name.
+def confused_calls(tree: Tree, calls: Iterable[Call]) -> Iterator[Finding]:
+    """Yield a finding for each call for which rumoca took another function of the same name.
 
     rumoca keeps the name of a function as it is written, unless it is imported or redeclared, so that two functions `f`
     of different packages become one.
@@ -579,14 +560,14 @@ def confused_calls(tree: Tree, calls: Iterable[Call]) -> Iterator[str]:
         # A short class is declared where its base is.
         names = {class_.name for class_ in (right, *tree.bases(right))} if right is not None else set[str]()
         if right is not None and taken is not None and taken.name not in names:
-            yield tree.locate(
+            yield (
                 call.node,
                 f"{call.name} is {right.name}, but the built-in compiler takes {taken.name}, which has the same name; "
                 "rename one of them (5.3)",
             )
 
 
-def _computed_constants(tree: Tree) -> Iterator[str]:
+def _computed_constants(tree: Tree) -> Iterator[Finding]:
     # rumoca computes constants by the last two parts of their names.
     packages = (class_ for class_ in tree.every if class_.kind == "package" and "." in class_.name)
     found = gather(((each.short_name, name), node) for each in packages for name, node in each.components.items())
@@ -594,14 +575,14 @@ def _computed_constants(tree: Tree) -> Iterator[str]:
         computed = any(kind in str(node["binding"]) for node in nodes for kind in ("Reference", "FunctionCall"))
         uses = re.compile(rf"\b{package}\s*\.\s*{name}\b")
         if len(nodes) > 1 and computed and _is_written(tree, uses):
-            yield tree.locate(
+            yield (
                 nodes[-1],
                 f"{package}.{name} is a computed constant of {len(nodes)} packages of the name {package}, which the "
                 "built-in compiler confuses; rename one of them (5.3)",
             )
 
 
-def _shared_constants(tree: Tree, heir: Class, clause: Node, base: Class) -> Iterator[str]:
+def _shared_constants(tree: Tree, heir: Class, clause: Node, base: Class) -> Iterator[Finding]:
     # If a class uses both packages, rumoca gives the base the constants of its heir.
     modified = {modifier.name for modifier in extends_modifiers(clause)}
     if base.kind != "package" or not modified & base.components.keys():
@@ -609,7 +590,7 @@ def _shared_constants(tree: Tree, heir: Class, clause: Node, base: Class) -> Ite
     affected = "|".join([*base.components, *base.classes])
     uses = re.compile(rf"\b{base.short_name}\s*\.\s*(?:{affected})\b")
     if _is_written(tree, uses) and _is_written(tree, re.compile(rf"\b{heir.short_name}\s*\.")):
-        yield tree.locate(
+        yield (
             clause,
             f"{heir.name} modifies constants of {base.name}, which is used itself: the built-in compiler would modify "
             f"them in {base.name} too (7.1); declare the constants without a value there",
