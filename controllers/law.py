@@ -13,7 +13,7 @@ from railgrip.base.system import SampledSystem
 from railgrip.base.units import short
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.parameters import SEARCHED, Parameters, SlipSource, file_of, tuned_values
-from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, choose, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, Symbols, choose, within
 from railgrip.vehicle.brake import BRAKE, Brake, pressure_of
 from railgrip.vehicle.signals import OBSERVATION, Signal
 
@@ -99,8 +99,8 @@ class GroupObservation:
     """
 
     index: int
-    signals: Mapping[str, Expression]
-    brake: Mapping[str, Expression]
+    signals: Symbols
+    brake: Symbols
     train: Sequence["GroupObservation"]
 
     def __getattr__(self, name: str) -> Expression:
@@ -113,38 +113,38 @@ class GroupObservation:
         return f"{name}[{self.index}]"
 
 
-Demand = Callable[[FormulaBuilder, GroupObservation], Expression]
-"""Returns the demanded pressure [Pa] of one group, and declares the group's states in the draft."""
+Demands = Callable[[FormulaBuilder, Symbols, Sequence[GroupObservation]], Sequence[Expression]]
+"""Returns the demanded pressure [Pa] of each group, from parameters and observations; declares states in the draft."""
 
 
 def law(
     name: str,
     description: str,
     groups: int,
-    demand_with: Callable[[FormulaBuilder], Demand],
+    demands: Demands,
+    tuning: type[Tuning] = Tuning,
     observed: Sequence[Signal] = OBSERVATION,
 ) -> SampledSystem:
-    """Return the formula of a law that forms the demand of one group at a time.
+    """Return the formula of a law.
 
     Args:
         name: Name of the law.
         description: One line.
         groups: Number of groups.
-        demand_with: Function that declares in the draft the parameters and states that all groups share, and returns
-            a function for the demand of one group.
+        demands: Function for the demands of all groups.
+        tuning: Type of its parameters.
         observed: Signals of the observation, the inputs of the law.
     """
     draft = FormulaBuilder()
     inputs = dict(zip((signal.name for signal in observed), draft.vector(observed, groups), strict=True))
-    demand = demand_with(draft)
+    parameters = tuning.declare(draft)
     train: list[GroupObservation] = []
     for g in range(1, groups + 1):
         brake = {datum: draft.parameter(f"{datum}[{g}]", unit, meaning) for datum, (unit, meaning) in BRAKE.items()}
         # A signal of the train has one symbol, which all groups share.
         signals = {signal: symbols[min(g, len(symbols)) - 1] for signal, symbols in inputs.items()}
         train.append(GroupObservation(index=g, signals=signals, brake=brake, train=train))
-    demands = [demand(draft, group) for group in train]
-    for g, demanded in enumerate(demands, start=1):
+    for g, demanded in enumerate(demands(draft, parameters, train), start=1):
         draft.output(f"demand[{g}]", "Pa", "demanded brake cylinder pressure", demanded)
     return draft.formula(name, description)
 
@@ -223,20 +223,21 @@ class GroupLaw(Law):
         for i, quantity in enumerate(self.formula.parameters):
             self.parameters[i] = of_group.get(quantity.name, self.parameters[i])
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Declare in the draft the states that all groups share, and return the function for one group; see `law`."""
+    @classmethod
+    def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:
+        """Return the demanded pressure of one group [Pa], and declare the group's states in the draft."""
         raise NotImplementedError
+
+    @classmethod
+    def demands(cls, draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:
+        """Return the demanded pressure of each group [Pa]; a law whose groups share states has this method instead."""
+        return [cls.demand(draft, tuning, group) for group in train]
 
     @classmethod
     @cache
     def formula_for(cls, groups: int) -> SampledSystem:
         """Return the formula for a number of groups."""
-
-        def demand_with(draft: FormulaBuilder) -> Demand:
-            return cls.demand_with(draft, cls.tuning.declare(draft))
-
-        return law(cls.__name__, cls.description, groups, demand_with)
+        return law(cls.__name__, cls.description, groups, cls.demands, cls.tuning)
 
     @classmethod
     def load_tuning(cls, actuation: str, slip: SlipSource, name: str = SEARCHED, /, **others: float) -> Tuning:
@@ -288,7 +289,7 @@ _PAD_FRICTION_LIMITS = 0.1, 0.6
 """Limits of pad friction, with a margin: UIC 541-3 has 0.35 to 0.45, ±20 % between lots; wet pads lose up to 30 %."""
 
 
-def pressure_for(torque: Expression, pad_friction: Expression, brake: Mapping[str, Expression]) -> Expression:
+def pressure_for(torque: Expression, pad_friction: Expression, brake: Symbols) -> Expression:
     """Return the brake cylinder pressure [Pa] at which a group's units give `torque` [N·m]; within 0 … pressure_max.
 
     An impossible estimate of pad friction, as after wrong readings, is limited to the possible range. A negative one

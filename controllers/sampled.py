@@ -6,7 +6,7 @@ results. Conditions select values instead of branches: `choose` takes the place 
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from functools import reduce
+from functools import cached_property, reduce
 from typing import Any
 
 import casadi as ca
@@ -21,6 +21,9 @@ from railgrip.vehicle.signals import Signal, names_of
 
 Expression = Any
 """A scalar `casadi.SX`."""
+
+Symbols = Mapping[str, Expression]
+"""Expressions by name, such as the parameters of a law."""
 
 
 class FormulaBuilder:
@@ -60,6 +63,13 @@ class FormulaBuilder:
     def state(self, name: str, unit: str, description: str, start: float = 0.0) -> Expression:
         """Return the symbol of a new state, its value before the call; `keep` sets the value after it."""
         return self._symbol("state", Variable(name=name, unit=unit, description=description, start=start))
+
+    @cached_property
+    def started(self) -> Expression:
+        """Symbol of a state that is 1 once there is a sample before this one, and 0 in the first call."""
+        started = self.state("started", "1", "1 once there is a sample before this one")
+        self.keep(started, 1.0)
+        return started
 
     def show(self, name: str, unit: str, description: str, value: Expression) -> None:
         """Add a value that traces record, as a state that the formula itself does not use."""
@@ -155,23 +165,19 @@ def time_release(
     return choose(time >= longest, choose(time >= longest + applied, 0.0, longer), choose(is_released, longer, 0.0))
 
 
-class LowPassDerivatives:
-    """First-order low-pass filters that also return the derivative of the filtered signal."""
+def low_pass(
+    draft: FormulaBuilder, tuning: Symbols, name: str, sample: Expression, unit: str = "1"
+) -> tuple[Expression, Expression]:
+    """Return a sample after a first-order low-pass, kept as the state `name`, and its rate per second.
 
-    def __init__(self, draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> None:
-        self._started = draft.state("started", "1", "1 once there is a sample before this one")
-        self._share = tuning["period"] / (tuning["filter_time"] + tuning["period"])
-        self._period = tuning["period"]
-        draft.keep(self._started, 1.0)
-
-    def follow(self, draft: FormulaBuilder, name: str, sample: Expression) -> tuple[Expression, Expression]:
-        """Return the filtered value of a sample, kept as the state `name`, and its rate per second."""
-        before = draft.state(name, "1", "filtered value")
-        step = self._share * (sample - before)
-        # Without this the first sample would look like a jump from zero.
-        value = choose(self._started, before + step, sample)
-        draft.keep(before, value)
-        return value, choose(self._started, step / self._period, 0.0)
+    The filter has the parameters `period` and `filter_time`.
+    """
+    started, before = draft.started, draft.state(name, unit, "filtered value")
+    step = tuning["period"] / (tuning["filter_time"] + tuning["period"]) * (sample - before)
+    # Without this the first sample would look like a jump from zero.
+    value = choose(started, before + step, sample)
+    draft.keep(before, value)
+    return value, choose(started, step / tuning["period"], 0.0)
 
 
 class Sampled:

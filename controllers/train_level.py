@@ -10,9 +10,9 @@ from typing import Literal
 import casadi as ca
 
 from railgrip.base.system import SampledSystem, Variable
-from railgrip.controllers.law import Law, by_name, pressure_for
+from railgrip.controllers.law import GroupObservation, Law, by_name, pressure_for
 from railgrip.controllers.law import law as formula_of_law
-from railgrip.controllers.sampled import Expression, choose, every, time_release
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, every, time_release
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.signals import TRAIN_INPUTS
 
@@ -35,9 +35,11 @@ T_APPLIED = 1.0
 
 def pass_through(groups: Sequence[Brake]) -> Law:
     """Return a law whose input `demand` is also its output."""
-    formula = formula_of_law(
-        "PassThrough", "Demands its input", len(groups), lambda _: lambda _, group: group.demand, TRAIN_INPUTS
-    )
+
+    def demands(draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:
+        return [group.demand for group in train]
+
+    formula = formula_of_law("PassThrough", "Demands its input", len(groups), demands, observed=TRAIN_INPUTS)
     return Law(formula, groups, {})
 
 

@@ -29,9 +29,9 @@ LAW = '''
         description = "A share of full pressure"
         tuning = ShareTuning
 
-        @staticmethod
-        def demand_with(draft, tuning):
-            return lambda draft, group: tuning["share"] * group.brake["pressure_max"]
+        @classmethod
+        def demand(cls, draft, tuning, group):
+            return tuning["share"] * group.brake["pressure_max"]
 '''
 
 SENSORS = '''

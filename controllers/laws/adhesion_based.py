@@ -6,13 +6,12 @@ control, from the torque balance of the wheelset), and the sign of ṡ·α̇ dec
 less. The paper allows this: L may be a function of the states to compensate their influence (end of §3.2).
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, pressure_for
+from railgrip.controllers.law import GroupLaw, GroupObservation, Ranges, pressure_for
 from railgrip.controllers.laws.adhesion_literal import SwitchingTuning, is_rolling
-from railgrip.controllers.sampled import Expression, FormulaBuilder, LowPassDerivatives, choose, either, every
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, either, every, low_pass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,49 +93,44 @@ class AdhesionBased(GroupLaw):
         },
     }
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the function for the demand of one group."""
-        filters = LowPassDerivatives(draft, tuning)
+    @classmethod
+    def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:
+        """Return the demanded pressure of one group [Pa]."""
+        brake, radius, inertia = group.brake, group.brake["wheel_radius"], group.brake["inertia"]
+        slip, slip_rate = low_pass(draft, tuning, group.label("seen_slip"), group.slip)
+        adhesion, adhesion_rate = low_pass(draft, tuning, group.label("seen_adhesion"), group.adhesion)
+        upwards = draft.state(group.label("upwards"), "1", "1 while it seeks upwards", start=1.0)
+        wait = draft.state(group.label("wait"), "s", "until the direction may change again")
+        # The vent uses the unfiltered slip: the filter would delay it.
+        seeking, creeping = group.speed >= tuning["speed_min"], group.speed < tuning["speed_min"]
+        venting = every(group.slip > tuning["slip_vent"], seeking)
+        rolling = either(is_rolling(tuning, group.speed, slip, adhesion), creeping)
 
-        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
-            brake, radius, inertia = group.brake, group.brake["wheel_radius"], group.brake["inertia"]
-            slip, slip_rate = filters.follow(draft, group.label("seen_slip"), group.slip)
-            adhesion, adhesion_rate = filters.follow(draft, group.label("seen_adhesion"), group.adhesion)
-            upwards = draft.state(group.label("upwards"), "1", "1 while it seeks upwards", start=1.0)
-            wait = draft.state(group.label("wait"), "s", "until the direction may change again")
-            # The vent uses the unfiltered slip: the filter would delay it.
-            seeking, creeping = group.speed >= tuning["speed_min"], group.speed < tuning["speed_min"]
-            venting = every(group.slip > tuning["slip_vent"], seeking)
-            rolling = either(is_rolling(tuning, group.speed, slip, adhesion), creeping)
+        # Direction: sign of the switching function (10), σ = ṡ·α̇, in relative rates. For ṡ ≠ 0 it is the sign of
+        # ∂α/∂s, eq. (13). For ṡ ≈ 0 it is noise, so the slip is increased until the response of α is measurable.
+        s_rate, a_rate = slip_rate / slip, adhesion_rate / adhesion
+        still = every(-tuning["slip_rate_min"] < s_rate, s_rate < tuning["slip_rate_min"])
+        rising = either(still, s_rate * (a_rate - tuning["margin"] * s_rate) > 0.0)
+        # Right after a reversal σ is still the response to the previous direction: a direction lasts for `dwell`.
+        remaining = wait - tuning["period"]
+        direction = choose(remaining > 0.0, upwards, rising)
+        new_wait = choose(direction != upwards, tuning["dwell"], remaining)
 
-            # Direction: sign of the switching function (10), σ = ṡ·α̇, in relative rates. For ṡ ≠ 0 it is the sign of
-            # ∂α/∂s, eq. (13). For ṡ ≈ 0 it is noise, so the slip is increased until the response of α is measurable.
-            s_rate, a_rate = slip_rate / slip, adhesion_rate / adhesion
-            still = every(-tuning["slip_rate_min"] < s_rate, s_rate < tuning["slip_rate_min"])
-            rising = either(still, s_rate * (a_rate - tuning["margin"] * s_rate) > 0.0)
-            # Right after a reversal σ is still the response to the previous direction: a direction lasts for `dwell`.
-            remaining = wait - tuning["period"]
-            direction = choose(remaining > 0.0, upwards, rising)
-            new_wait = choose(direction != upwards, tuning["dwell"], remaining)
+        # Equivalent control: ṡ = 0 in eq. (3), with J ω̇ = F_x r − T and ω̇ = (1 − s) v̇/r at constant slip.
+        unit_torque = brake["load"] * radius  # torque per adhesion
+        inertial = -inertia * (1.0 - group.slip) * group.acceleration / radius
+        # Below speed_min a wheel may lock: then the contact carries all of the brake torque.
+        limit = (tuning["adhesion_max"] - tuning["adhesion_guard"]) * unit_torque + choose(creeping, 0.0, inertial)
+        equivalent = adhesion * unit_torque + inertial
+        # L·sgn σ of eq. (11), with L proportional to T_eq. An additional torque ΔT changes the slip at the rate
+        # ΔT r/(J v), which is limited to slip_rate_max·s: at low speed the slip would otherwise leap over the peak.
+        extra = choose(direction, tuning["rise"], tuning["fall"]) * equivalent
+        extra_max = inertia * tuning["slip_rate_max"] * slip * group.speed / radius
+        extra = choose(extra > extra_max, extra_max, extra)
+        goal = choose(direction, equivalent + extra, equivalent - extra)
+        torque = choose(rolling, limit, choose(goal < limit, goal, limit))
 
-            # Equivalent control: ṡ = 0 in eq. (3), with J ω̇ = F_x r − T and ω̇ = (1 − s) v̇/r at constant slip.
-            unit_torque = brake["load"] * radius  # torque per adhesion
-            inertial = -inertia * (1.0 - group.slip) * group.acceleration / radius
-            # Below speed_min a wheel may lock: then the contact carries all of the brake torque.
-            limit = (tuning["adhesion_max"] - tuning["adhesion_guard"]) * unit_torque + choose(creeping, 0.0, inertial)
-            equivalent = adhesion * unit_torque + inertial
-            # L·sgn σ of eq. (11), with L proportional to T_eq. An additional torque ΔT changes the slip at the rate
-            # ΔT r/(J v), which is limited to slip_rate_max·s: at low speed the slip would otherwise leap over the peak.
-            extra = choose(direction, tuning["rise"], tuning["fall"]) * equivalent
-            extra_max = inertia * tuning["slip_rate_max"] * slip * group.speed / radius
-            extra = choose(extra > extra_max, extra_max, extra)
-            goal = choose(direction, equivalent + extra, equivalent - extra)
-            torque = choose(rolling, limit, choose(goal < limit, goal, limit))
-
-            # A vented group was beyond the peak, so it continues downwards; one that rolled starts upwards.
-            draft.keep(upwards, choose(venting, 0.0, choose(rolling, 1.0, direction)))
-            draft.keep(wait, choose(either(venting, rolling), wait, new_wait))
-            return choose(venting, 0.0, pressure_for(torque, group.pad_friction, brake))
-
-        return demand
+        # A vented group was beyond the peak, so it continues downwards; one that rolled starts upwards.
+        draft.keep(upwards, choose(venting, 0.0, choose(rolling, 1.0, direction)))
+        draft.keep(wait, choose(either(venting, rolling), wait, new_wait))
+        return choose(venting, 0.0, pressure_for(torque, group.pad_friction, brake))

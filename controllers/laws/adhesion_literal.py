@@ -6,12 +6,11 @@ g_s in ṡ = f_s + g_s·u, eq. (3), is positive. The paper calls it negative, bu
 sign, because ∂²α/∂s² < 0. Here u = +L is full pressure and u = −L is zero pressure.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Expression, FormulaBuilder, LowPassDerivatives, choose, either, every
+from railgrip.controllers.law import FULL_PRESSURE, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, either, every, low_pass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,39 +73,30 @@ class LiteralAdhesionBased(GroupLaw):
         },
     }
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the function for the demand of one group."""
-        filters = LowPassDerivatives(draft, tuning)
-
-        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
-            full, controlling = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
-            # ṡ and α̇, "the estimated time derivatives of adhesion and slip" of §3.2. The paper takes them as exact;
-            # estimates are noisy, so both pass the same filter, which keeps them in phase with each other.
-            _, slip_rate = filters.follow(draft, group.label("seen_slip"), group.slip)
-            _, adhesion_rate = filters.follow(draft, group.label("seen_adhesion"), group.adhesion)
-            applied = draft.state(
-                group.label("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
-            )
-            # Eq. (10), or the alternative at the end of §3.2: α̇/ṡ has the same sign, but no value at ṡ = 0.
-            small = every(-tuning["slip_rate_small"] < slip_rate, slip_rate < tuning["slip_rate_small"])
-            quotient = choose(small, 0.0, adhesion_rate / choose(small, 1.0, slip_rate))
-            switch = choose(tuning["quotient"] > 0.0, quotient, slip_rate * adhesion_rate)
-            rolling = is_rolling(tuning, group.speed, group.slip, group.adhesion)
-            # Eq. (11), u = L·sgn(ṡ·α̇), mapped from −L … L to 0 … 1 of full pressure: sgn(0) = 0 is half pressure.
-            kept = choose(tuning["hold"] > 0.0, applied, 0.5)
-            seeking = choose(either(rolling, switch > 0.0), 1.0, choose(switch < 0.0, 0.0, kept))
-            # Limit α ≤ α_max, end of §3.2: the cylinder is vented (§4, effect ii) as long as the estimate exceeds it.
-            decided = choose(group.adhesion > tuning["adhesion_max"], 0.0, seeking)
-            draft.keep(applied, choose(controlling, decided, applied))
-            return choose(controlling, decided * full, full)
-
-        return demand
+    @classmethod
+    def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:
+        """Return the demanded pressure of one group [Pa]."""
+        full, controlling = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
+        # ṡ and α̇, "the estimated time derivatives of adhesion and slip" of §3.2. The paper takes them as exact;
+        # estimates are noisy, so both pass the same filter, which keeps them in phase with each other.
+        _, slip_rate = low_pass(draft, tuning, group.label("seen_slip"), group.slip)
+        _, adhesion_rate = low_pass(draft, tuning, group.label("seen_adhesion"), group.adhesion)
+        applied = draft.state(group.label("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0)
+        # Eq. (10), or the alternative at the end of §3.2: α̇/ṡ has the same sign, but no value at ṡ = 0.
+        small = every(-tuning["slip_rate_small"] < slip_rate, slip_rate < tuning["slip_rate_small"])
+        quotient = choose(small, 0.0, adhesion_rate / choose(small, 1.0, slip_rate))
+        switch = choose(tuning["quotient"] > 0.0, quotient, slip_rate * adhesion_rate)
+        rolling = is_rolling(tuning, group.speed, group.slip, group.adhesion)
+        # Eq. (11), u = L·sgn(ṡ·α̇), mapped from −L … L to 0 … 1 of full pressure: sgn(0) = 0 is half pressure.
+        kept = choose(tuning["hold"] > 0.0, applied, 0.5)
+        seeking = choose(either(rolling, switch > 0.0), 1.0, choose(switch < 0.0, 0.0, kept))
+        # Limit α ≤ α_max, end of §3.2: the cylinder is vented (§4, effect ii) as long as the estimate exceeds it.
+        decided = choose(group.adhesion > tuning["adhesion_max"], 0.0, seeking)
+        draft.keep(applied, choose(controlling, decided, applied))
+        return choose(controlling, decided * full, full)
 
 
-def is_rolling(
-    tuning: Mapping[str, Expression], speed: Expression, slip: Expression, adhesion: Expression
-) -> Expression:
+def is_rolling(tuning: Symbols, speed: Expression, slip: Expression, adhesion: Expression) -> Expression:
     """Return whether the wheel rolls, so that it cannot seek a peak: slip within its error, or adhesion too small."""
     slip_small = tuning["slip_small"] + tuning["creep_small"] / speed
     return either(slip < slip_small, adhesion < tuning["adhesion_small"])

@@ -1,11 +1,10 @@
 """PI control of the slip to a set value."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, within
+from railgrip.controllers.law import FULL_PRESSURE, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, within
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,19 +49,13 @@ class ConstantSlip(GroupLaw):
         ("pneumatic", "read"): {"slip": (5e-3, 0.2), "gain": (0.05, 1.0), "integral_time": (0.1, 2.0)}
     }
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the function for the demand of one group."""
-
-        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
-            return slip_control(draft, group, tuning, tuning["slip"])
-
-        return demand
+    @classmethod
+    def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:
+        """Return the demanded pressure of one group [Pa]."""
+        return slip_control(draft, group, tuning, tuning["slip"])
 
 
-def slip_control(
-    draft: FormulaBuilder, group: GroupObservation, tuning: Mapping[str, Expression], slip: Expression
-) -> Expression:
+def slip_control(draft: FormulaBuilder, group: GroupObservation, tuning: Symbols, slip: Expression) -> Expression:
     """Return the pressure [Pa] that PI control to a set slip demands.
 
     Args:

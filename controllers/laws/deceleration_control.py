@@ -9,15 +9,15 @@ Sources: the curve of constant deceleration v²/(2 d) and its gain are those of 
 use of the estimated adhesion is this project's.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import Demand, GroupObservation, Ranges, pressure_for
+from railgrip.controllers.law import GroupObservation, Ranges, pressure_for
 from railgrip.controllers.laws.slope_seeking import SlopeSeeking, SlopeTuning
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, either, every, within
 from railgrip.controllers.train_level import PAD_FRICTION, T_REDISTRIBUTION
 from railgrip.vehicle.brake import pad_force
 
@@ -99,18 +99,10 @@ class DecelerationControl(SlopeSeeking):
     # `railgrip study stop_at_target` searches this law by the error of the stopping point, not by the distance.
     ranges: ClassVar[Ranges] = {}
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
-        protect, demands = SlopeSeeking.demand_with(draft, tuning), list[Expression]()
-
-        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
-            if not demands:
-                protected = [protect(draft, each) for each in group.train]
-                demands.extend(_controlled(draft, group.train, tuning, protected))
-            return demands[group.index - 1]
-
-        return demand
+    @classmethod
+    def demands(cls, draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:
+        """Return the demanded pressure of each group [Pa]."""
+        return _controlled(draft, train, tuning, super().demands(draft, tuning, train))
 
 
 _G = 9.81
@@ -123,7 +115,7 @@ _ENOUGH = 0.7  # share of the possible deceleration below which magnets are lift
 def _controlled(
     draft: FormulaBuilder,
     train: Sequence[GroupObservation],
-    t: Mapping[str, Expression],
+    t: Symbols,
     protected: Sequence[Expression],
 ) -> list[Expression]:
     """Return the demand of each group, given those of its slide protection."""
@@ -189,7 +181,7 @@ def _controlled(
 def _demanded(
     draft: FormulaBuilder,
     train: Sequence[GroupObservation],
-    t: Mapping[str, Expression],
+    t: Symbols,
     speed: Expression,
     load: Expression,
 ) -> tuple[Expression, Expression]:

@@ -1,14 +1,14 @@
 """Extremum seeking as in the literature: the set slip is dithered and moves in the direction of higher adhesion."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import Demand, GroupObservation, Ranges, SetSlipLaw, SetSlipTuning
+from railgrip.controllers.law import GroupObservation, Ranges, SetSlipLaw, SetSlipTuning
 from railgrip.controllers.laws.constant_slip import slip_control
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, within
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,30 +76,31 @@ class ExtremumSeeking(SetSlipLaw):
         }
     }
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the function for the demand of one group."""
+    @classmethod
+    def demands(cls, draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:
+        """Return the demanded pressure of each group [Pa]."""
         turn = draft.state("turn", "1", "phase of the dither over a whole turn")
         following = turn + tuning["frequency"] * tuning["period"]
         draft.keep(turn, choose(following >= 1.0, following - 1.0, following))
         wave = ca.sin(2.0 * ca.pi * turn)
+        return super().demands(draft, {**tuning, "wave": wave}, train)
 
-        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
-            slip = draft.state(group.label("set_slip"), "1", "set slip without the dither")
-            steady = draft.state(group.label("steady"), "1", "slow part of the adhesion")
-            started = draft.state(group.label("started"), "1", "1 once there is an adhesion worth following")
-            ready = group.adhesion >= tuning["adhesion_small"]
-            share = tuning["period"] / (tuning["washout_time"] + tuning["period"])
-            # Washout: without it the level of α, which the dither does not change, would dominate the product below.
-            mean = choose(started, steady + share * (group.adhesion - steady), group.adhesion)
-            # Demodulation: the mean of sin² is 1/2, hence the factor 2/dither.
-            elasticity = (group.adhesion - mean) / mean * wave * 2.0 / tuning["dither"]
-            # A step of the rail is not a response to the dither: it must not double the slip within half a wave.
-            rate = within(tuning["climb"] * elasticity, -tuning["frequency"], tuning["frequency"])
-            moved = within(slip * (1.0 + rate * tuning["period"]), tuning["slip_least"], tuning["slip_most"])
-            draft.keep(slip, choose(ready, moved, slip))
-            draft.keep(steady, choose(ready, mean, steady))
-            draft.keep(started, choose(ready, 1.0, 0.0))
-            return slip_control(draft, group, tuning, slip * (1.0 + tuning["dither"] * wave))
-
-        return demand
+    @classmethod
+    def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:
+        """Return the demanded pressure of one group [Pa]."""
+        slip = draft.state(group.label("set_slip"), "1", "set slip without the dither")
+        steady = draft.state(group.label("steady"), "1", "slow part of the adhesion")
+        started = draft.state(group.label("started"), "1", "1 once there is an adhesion worth following")
+        ready = group.adhesion >= tuning["adhesion_small"]
+        share = tuning["period"] / (tuning["washout_time"] + tuning["period"])
+        # Washout: without it the level of α, which the dither does not change, would dominate the product below.
+        mean = choose(started, steady + share * (group.adhesion - steady), group.adhesion)
+        # Demodulation: the mean of sin² is 1/2, hence the factor 2/dither.
+        elasticity = (group.adhesion - mean) / mean * tuning["wave"] * 2.0 / tuning["dither"]
+        # A step of the rail is not a response to the dither: it must not double the slip within half a wave.
+        rate = within(tuning["climb"] * elasticity, -tuning["frequency"], tuning["frequency"])
+        moved = within(slip * (1.0 + rate * tuning["period"]), tuning["slip_least"], tuning["slip_most"])
+        draft.keep(slip, choose(ready, moved, slip))
+        draft.keep(steady, choose(ready, mean, steady))
+        draft.keep(started, choose(ready, 1.0, 0.0))
+        return slip_control(draft, group, tuning, slip * (1.0 + tuning["dither"] * tuning["wave"]))

@@ -1,9 +1,7 @@
 """No wheel-slide protection."""
 
-from collections.abc import Mapping
-
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw
-from railgrip.controllers.sampled import Expression, FormulaBuilder
+from railgrip.controllers.law import FULL_PRESSURE, GroupLaw, GroupObservation
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols
 
 
 class FullBrake(GroupLaw):
@@ -12,7 +10,7 @@ class FullBrake(GroupLaw):
     description = "Full brake pressure, no wheel-slide protection"
     brake_data = FULL_PRESSURE
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return a function for full pressure."""
-        return lambda draft, group: group.brake["pressure_max"]
+    @classmethod
+    def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:
+        """Return the demanded pressure of one group [Pa]."""
+        return group.brake["pressure_max"]

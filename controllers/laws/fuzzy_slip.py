@@ -1,11 +1,10 @@
 """Fuzzy slip control: rules on slip and on the deceleration of the wheel give the rate of the pressure."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Final
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Expression, FormulaBuilder, LowPassDerivatives, choose, within
+from railgrip.controllers.law import FULL_PRESSURE, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, low_pass, within
 
 _RULES: Final = (
     (1.0, 1.0, 0.0),
@@ -74,29 +73,24 @@ class FuzzySlip(GroupLaw):
         }
     }
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the function for the demand of one group."""
-        filters = LowPassDerivatives(draft, tuning)
-
-        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
-            full, protecting = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
-            share = draft.state(group.label("share"), "1", "demand over the full pressure", start=1.0)
-            rolling = group.wheelset_speed * group.brake["wheel_radius"]
-            _, rate = filters.follow(draft, group.label("rolling"), rolling)
-            excess = within((group.acceleration - rate) / tuning["deceleration"], -1.0, 1.0)
-            gains, loses = within(-excess, 0.0, 1.0), within(excess, 0.0, 1.0)
-            large = within((group.slip / tuning["slip_medium"] - 1.0) / (tuning["slip_ratio"] - 1.0), 0.0, 1.0)
-            small = within(1.0 - group.slip / tuning["slip_medium"], 0.0, 1.0)
-            slip_sets, speed_sets = (small, 1.0 - small - large, large), (gains, 1.0 - loses - gains, loses)
-            pressure_rate = sum(
-                slip_set * speed_set * rule * (tuning["fill_rate"] if rule > 0.0 else tuning["vent_rate"])
-                for slip_set, rules in zip(slip_sets, _RULES, strict=True)
-                for speed_set, rule in zip(speed_sets, rules, strict=True)
-                if rule
-            )
-            demanded = within(share + pressure_rate * tuning["period"], 0.0, 1.0)
-            draft.keep(share, choose(protecting, demanded, 1.0))
-            return choose(protecting, full * demanded, full)
-
-        return demand
+    @classmethod
+    def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:
+        """Return the demanded pressure of one group [Pa]."""
+        full, protecting = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
+        rolling = group.wheelset_speed * group.brake["wheel_radius"]
+        _, rate = low_pass(draft, tuning, group.label("rolling"), rolling, "m/s")
+        share = draft.state(group.label("share"), "1", "demand over the full pressure", start=1.0)
+        excess = within((group.acceleration - rate) / tuning["deceleration"], -1.0, 1.0)
+        gains, loses = within(-excess, 0.0, 1.0), within(excess, 0.0, 1.0)
+        large = within((group.slip / tuning["slip_medium"] - 1.0) / (tuning["slip_ratio"] - 1.0), 0.0, 1.0)
+        small = within(1.0 - group.slip / tuning["slip_medium"], 0.0, 1.0)
+        slip_sets, speed_sets = (small, 1.0 - small - large, large), (gains, 1.0 - loses - gains, loses)
+        pressure_rate = sum(
+            slip_set * speed_set * rule * (tuning["fill_rate"] if rule > 0.0 else tuning["vent_rate"])
+            for slip_set, rules in zip(slip_sets, _RULES, strict=True)
+            for speed_set, rule in zip(speed_sets, rules, strict=True)
+            if rule
+        )
+        demanded = within(share + pressure_rate * tuning["period"], 0.0, 1.0)
+        draft.keep(share, choose(protecting, demanded, 1.0))
+        return choose(protecting, full * demanded, full)

@@ -1,12 +1,11 @@
 """Perturb and observe: the set slip changes in steps, which change their direction when adhesion has fallen."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import Demand, GroupObservation, Ranges, SetSlipLaw, SetSlipTuning
+from railgrip.controllers.law import GroupObservation, Ranges, SetSlipLaw, SetSlipTuning
 from railgrip.controllers.laws.constant_slip import slip_control
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, every, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, every, within
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,34 +67,30 @@ class PerturbObserve(SetSlipLaw):
         }
     }
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the function for the demand of one group."""
+    @classmethod
+    def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:
+        """Return the demanded pressure of one group [Pa]."""
         period, interval = tuning["period"], tuning["interval"]
-
-        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
-            slip = draft.state(group.label("set_slip"), "1", "set slip")
-            clock = draft.state(group.label("clock"), "s", "since the last step")
-            total = draft.state(group.label("total"), "1", "sum of the adhesion of this interval")
-            count = draft.state(group.label("count"), "1", "number of samples in the sum")
-            before = draft.state(group.label("before"), "1", "mean adhesion of the interval before")
-            upwards = draft.state(group.label("upwards"), "1", "1 while the slip is increased", start=1.0)
-            ready = every(group.adhesion >= tuning["adhesion_small"], group.speed >= tuning["speed_min"])
-            elapsed = clock + period
-            averaging = choose(elapsed > tuning["settling"] * interval, 1.0, 0.0)
-            new_total, new_count = total + choose(averaging, group.adhesion, 0.0), count + averaging
-            due = every(elapsed >= interval, new_count > 0.0)
-            mean = new_total / new_count
-            direction = choose(mean >= before, upwards, 1.0 - upwards)
-            factor = choose(direction, 1.0 + tuning["step"], 1.0 / (1.0 + tuning["step"]))
-            stepped = within(slip * factor, tuning["slip_least"], tuning["slip_most"])
-            # While the adhesion cannot be compared, the set slip stays, and the interval begins again.
-            draft.keep(slip, choose(ready, choose(due, stepped, slip), slip))
-            draft.keep(clock, choose(ready, choose(due, 0.0, elapsed), 0.0))
-            draft.keep(total, choose(ready, choose(due, 0.0, new_total), 0.0))
-            draft.keep(count, choose(ready, choose(due, 0.0, new_count), 0.0))
-            draft.keep(before, choose(ready, choose(due, mean, before), before))
-            draft.keep(upwards, choose(ready, choose(due, direction, upwards), upwards))
-            return slip_control(draft, group, tuning, slip)
-
-        return demand
+        slip = draft.state(group.label("set_slip"), "1", "set slip")
+        clock = draft.state(group.label("clock"), "s", "since the last step")
+        total = draft.state(group.label("total"), "1", "sum of the adhesion of this interval")
+        count = draft.state(group.label("count"), "1", "number of samples in the sum")
+        before = draft.state(group.label("before"), "1", "mean adhesion of the interval before")
+        upwards = draft.state(group.label("upwards"), "1", "1 while the slip is increased", start=1.0)
+        ready = every(group.adhesion >= tuning["adhesion_small"], group.speed >= tuning["speed_min"])
+        elapsed = clock + period
+        averaging = choose(elapsed > tuning["settling"] * interval, 1.0, 0.0)
+        new_total, new_count = total + choose(averaging, group.adhesion, 0.0), count + averaging
+        due = every(elapsed >= interval, new_count > 0.0)
+        mean = new_total / new_count
+        direction = choose(mean >= before, upwards, 1.0 - upwards)
+        factor = choose(direction, 1.0 + tuning["step"], 1.0 / (1.0 + tuning["step"]))
+        stepped = within(slip * factor, tuning["slip_least"], tuning["slip_most"])
+        # While the adhesion cannot be compared, the set slip stays, and the interval begins again.
+        draft.keep(slip, choose(ready, choose(due, stepped, slip), slip))
+        draft.keep(clock, choose(ready, choose(due, 0.0, elapsed), 0.0))
+        draft.keep(total, choose(ready, choose(due, 0.0, new_total), 0.0))
+        draft.keep(count, choose(ready, choose(due, 0.0, new_count), 0.0))
+        draft.keep(before, choose(ready, choose(due, mean, before), before))
+        draft.keep(upwards, choose(ready, choose(due, direction, upwards), upwards))
+        return slip_control(draft, group, tuning, slip)

@@ -1,14 +1,14 @@
 """Maximum-adhesion tracking on the slope of adhesion over slip from recursive least squares."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import Demand, GroupObservation, Ranges, SetSlipLaw, SetSlipTuning
+from railgrip.controllers.law import GroupObservation, Ranges, SetSlipLaw, SetSlipTuning
 from railgrip.controllers.laws.constant_slip import slip_control
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, every, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, every, within
 from railgrip.vehicle.brake import Brake
 
 
@@ -81,38 +81,39 @@ class RecursiveSlope(SetSlipLaw):
         super().__init__(groups, tuning)
         self.state[[quantity.name.startswith("covariance") for quantity in self.formula.states]] = tuning.covariance_max
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the function for the demand of one group."""
-        period = tuning["period"]
+    @classmethod
+    def demands(cls, draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:
+        """Return the demanded pressure of each group [Pa]."""
         turn = draft.state("turn", "1", "phase of the excitation over a whole turn")
-        following = turn + tuning["frequency"] * period
+        following = turn + tuning["frequency"] * tuning["period"]
         draft.keep(turn, following - ca.floor(following))
         wave = ca.sin(2.0 * ca.pi * turn)
+        return super().demands(draft, {**tuning, "wave": wave}, train)
+
+    @classmethod
+    def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:
+        """Return the demanded pressure of one group [Pa]."""
+        period = tuning["period"]
         share = period / (tuning["washout_time"] + period)
         forgetting = tuning["memory"] / (tuning["memory"] + period)
-
-        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
-            slip = draft.state(group.label("set_slip"), "1", "set slip without the excitation")
-            last_slip = draft.state(group.label("steady_slip"), "1", "low-pass filtered slip")
-            last_adhesion = draft.state(group.label("steady_adhesion"), "1", "low-pass filtered adhesion")
-            elasticity = draft.state(group.label("elasticity"), "1", "estimate of d ln α/d ln s")
-            covariance = draft.state(group.label("covariance"), "1", "covariance of the estimate over the noise")
-            started = draft.state(group.label("started"), "1", "1 once the filters have a sample")
-            ready = every(group.adhesion >= tuning["adhesion_small"], group.speed >= tuning["speed_min"])
-            mean_slip = choose(started, last_slip + share * (group.slip - last_slip), group.slip)
-            mean_adhesion = choose(started, last_adhesion + share * (group.adhesion - last_adhesion), group.adhesion)
-            x, y = (group.slip - mean_slip) / slip, (group.adhesion - mean_adhesion) / mean_adhesion
-            gain = covariance * x / (forgetting + covariance * x * x)
-            estimate = within(elasticity + gain * (y - elasticity * x), -1.0, 1.0)
-            new_covariance = within((1.0 - gain * x) * covariance / forgetting, 0.0, tuning["covariance_max"])
-            moved = slip * (1.0 + tuning["climb"] * estimate * period)
-            draft.keep(slip, choose(ready, within(moved, tuning["slip_least"], tuning["slip_most"]), slip))
-            draft.keep(last_slip, choose(ready, mean_slip, last_slip))
-            draft.keep(last_adhesion, choose(ready, mean_adhesion, last_adhesion))
-            draft.keep(elasticity, choose(ready, estimate, elasticity))
-            draft.keep(covariance, choose(ready, new_covariance, covariance))
-            draft.keep(started, choose(ready, 1.0, 0.0))
-            return slip_control(draft, group, tuning, slip * (1.0 + tuning["dither"] * wave))
-
-        return demand
+        slip = draft.state(group.label("set_slip"), "1", "set slip without the excitation")
+        last_slip = draft.state(group.label("steady_slip"), "1", "low-pass filtered slip")
+        last_adhesion = draft.state(group.label("steady_adhesion"), "1", "low-pass filtered adhesion")
+        elasticity = draft.state(group.label("elasticity"), "1", "estimate of d ln α/d ln s")
+        covariance = draft.state(group.label("covariance"), "1", "covariance of the estimate over the noise")
+        started = draft.state(group.label("started"), "1", "1 once the filters have a sample")
+        ready = every(group.adhesion >= tuning["adhesion_small"], group.speed >= tuning["speed_min"])
+        mean_slip = choose(started, last_slip + share * (group.slip - last_slip), group.slip)
+        mean_adhesion = choose(started, last_adhesion + share * (group.adhesion - last_adhesion), group.adhesion)
+        x, y = (group.slip - mean_slip) / slip, (group.adhesion - mean_adhesion) / mean_adhesion
+        gain = covariance * x / (forgetting + covariance * x * x)
+        estimate = within(elasticity + gain * (y - elasticity * x), -1.0, 1.0)
+        new_covariance = within((1.0 - gain * x) * covariance / forgetting, 0.0, tuning["covariance_max"])
+        moved = slip * (1.0 + tuning["climb"] * estimate * period)
+        draft.keep(slip, choose(ready, within(moved, tuning["slip_least"], tuning["slip_most"]), slip))
+        draft.keep(last_slip, choose(ready, mean_slip, last_slip))
+        draft.keep(last_adhesion, choose(ready, mean_adhesion, last_adhesion))
+        draft.keep(elasticity, choose(ready, estimate, elasticity))
+        draft.keep(covariance, choose(ready, new_covariance, covariance))
+        draft.keep(started, choose(ready, 1.0, 0.0))
+        return slip_control(draft, group, tuning, slip * (1.0 + tuning["dither"] * tuning["wave"]))

@@ -1,12 +1,11 @@
 """Slip-based two-level control (SBC): the reference that the paper compares adhesion-based control with."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Final, get_args
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import FULL_PRESSURE, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.parameters import SlipSource
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose
 
 _RANGES: Final = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
 """From below nearly all published peaks to beyond them; sensors do not resolve bands narrower than 10 % of a level."""
@@ -53,19 +52,13 @@ class SlipTwoState(GroupLaw):
         (actuation, slip): _RANGES for actuation in ("ideal", "pneumatic") for slip in get_args(SlipSource)
     }
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the function for the demand of one group."""
+    @classmethod
+    def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:
+        """Return the demanded pressure of one group [Pa]."""
         low, high, speed_min, hold = (tuning[name] for name in ("low", "high", "speed_min", "hold"))
-
-        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
-            applied = draft.state(
-                group.label("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
-            )
-            full, protecting = group.brake["pressure_max"], group.speed >= speed_min
-            releasing, applying = group.slip > high, group.slip < low
-            draft.keep(applied, choose(protecting, choose(releasing, 0.0, choose(applying, 1.0, applied)), applied))
-            between = choose(hold, group.pressure, applied * full)
-            return choose(protecting, choose(releasing, 0.0, choose(applying, full, between)), full)
-
-        return demand
+        applied = draft.state(group.label("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0)
+        full, protecting = group.brake["pressure_max"], group.speed >= speed_min
+        releasing, applying = group.slip > high, group.slip < low
+        draft.keep(applied, choose(protecting, choose(releasing, 0.0, choose(applying, 1.0, applied)), applied))
+        between = choose(hold, group.pressure, applied * full)
+        return choose(protecting, choose(releasing, 0.0, choose(applying, full, between)), full)

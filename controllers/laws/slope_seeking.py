@@ -11,16 +11,16 @@ the equivalent control from the torque balance of the wheelset as in `AdhesionBa
 shrinking by it, are this project's.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from math import pi
 from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, Tuning, pressure_for
+from railgrip.controllers.law import GroupLaw, GroupObservation, Ranges, Tuning, pressure_for
 from railgrip.controllers.parameters import SEARCHED, SlipSource
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, either, every, within
 from railgrip.vehicle.brake import piston_force
 
 
@@ -155,10 +155,11 @@ class SlopeSeeking(GroupLaw):
             others = {key: value for key, value in slope.items() if key not in cls.tuning.__annotations__} | others
         return super().load_tuning(actuation, slip, name, **others)
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
-        return seek(draft, tuning, slope_targets)
+    @classmethod
+    def demands(cls, draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:
+        """Return the demanded pressure of each group [Pa]."""
+        wheels = [wheels_of(draft, group, tuning) for group in train]
+        return seek(draft, wheels, slope_targets(draft, wheels, tuning), tuning)
 
 
 _UNBRAKED = 0.9
@@ -231,28 +232,20 @@ class Wheels:
 Target = tuple[Expression, Expression]
 """Slip that a group seeks, and its rate [1/s]."""
 
-TargetsOf = Callable[[FormulaBuilder, Sequence[Wheels], Mapping[str, Expression]], list[Target]]
 
-
-def seek(draft: FormulaBuilder, t: Mapping[str, Expression], targets_of: TargetsOf) -> Demand:
-    """Return the demand of one group that brings its slip to a target.
+def seek(draft: FormulaBuilder, train: Sequence[Wheels], targets: Sequence[Target], t: Symbols) -> list[Expression]:
+    """Return the demanded pressure of each group [Pa] that brings its slip to its target.
 
     Args:
         draft: Formula that gets the states.
+        train: Signals of the groups.
+        targets: Slip that each group seeks, and its rate [1/s].
         t: Parameters, those of `SlopeTuning`.
-        targets_of: Forms the slip that each group seeks, and its rate [1/s].
     """
-    started = draft.state("started", "1", "1 once there is a sample before this one")
-    draft.keep(started, 1.0)
-    train: list[Wheels] = []
-    targets: list[Target] = []
-
-    def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
-        if not train:
-            train.extend(_wheels(draft, each, t, started) for each in group.train)
-            targets.extend(targets_of(draft, train, t))
-        target = targets[group.index - 1]
-        signals, brake, speed = train[group.index - 1], group.brake, group.speed
+    demands: list[Expression] = []
+    for signals, target in zip(train, targets, strict=True):
+        group = signals.group
+        brake, speed = group.brake, group.speed
         radius = brake["wheel_radius"]
         inertia = brake["inertia"]
         creeping = speed < t["speed_min"]
@@ -287,7 +280,7 @@ def seek(draft: FormulaBuilder, t: Mapping[str, Expression], targets_of: Targets
         pad_friction = choose(either(signals.credible, before <= 0.0), group.pad_friction, before)
         draft.keep(before, pad_friction)
         if not others:
-            return controlled
+            return [controlled]
         loads = [each.group.brake["load"] for each in others]
         share = weighted_mean([(each.valid, each.adhesion) for each in others], loads)
         followed = pressure_for(_FOLLOWED * share * unit_torque, pad_friction, brake)
@@ -295,9 +288,8 @@ def seek(draft: FormulaBuilder, t: Mapping[str, Expression], targets_of: Targets
         # would lock unnoticed as soon as the rail gets worse.
         most = pressure_for(share * unit_torque, pad_friction, brake)
         followed = choose(group.pressure > most, 0.0, followed)
-        return choose(following, followed, controlled)
-
-    return demand
+        demands.append(choose(following, followed, controlled))
+    return demands
 
 
 def weighted_mean(values: Sequence[tuple[Expression, Expression]], weights: Sequence[Expression]) -> Expression:
@@ -307,7 +299,9 @@ def weighted_mean(values: Sequence[tuple[Expression, Expression]], weights: Sequ
     return total / ca.fmax(sum(counted), 1e-9)
 
 
-def _wheels(draft: FormulaBuilder, group: GroupObservation, t: Mapping[str, Expression], started: Expression) -> Wheels:
+def wheels_of(draft: FormulaBuilder, group: GroupObservation, t: Symbols) -> Wheels:
+    """Return the signals that the law derives from the observation of a group, and keep their filters."""
+    started = draft.started
     period, small = t["period"], t["slip_small"] + t["creep_small"] / group.speed
     pads_off = group.pressure * group.brake["piston_area"] < _UNBRAKED * group.brake["spring_force"]
     slip = _correct_slip(draft, group, pads_off, period)
@@ -319,7 +313,7 @@ def _wheels(draft: FormulaBuilder, group: GroupObservation, t: Mapping[str, Expr
         return choose(started, before, now), now
 
     slip_before, slip_now = filtered("filtered_slip", slip)
-    adhesion_before, adhesion_now = filtered("filtered_adhesion", _without_lag(draft, group, t, started))
+    adhesion_before, adhesion_now = filtered("filtered_adhesion", _without_lag(draft, group, t))
 
     # With its brake off, a sliding wheel is accelerated by the rail, however little. A deep slide without that means
     # that the reading of the wheel speed is wrong.
@@ -348,15 +342,13 @@ def _wheels(draft: FormulaBuilder, group: GroupObservation, t: Mapping[str, Expr
     )
 
 
-def _without_lag(
-    draft: FormulaBuilder, group: GroupObservation, t: Mapping[str, Expression], started: Expression
-) -> Expression:
+def _without_lag(draft: FormulaBuilder, group: GroupObservation, t: Symbols) -> Expression:
     brake = group.brake
     force = piston_force(group.pressure, piston_area=brake["piston_area"], spring_force=brake["spring_force"])
     torque = brake["units"] * group.pad_friction * brake["friction_radius"] * brake["rigging"] * force
     before = draft.state(group.label("torque"), "N.m", "brake torque at the last sample")
     draft.keep(before, torque)
-    rate = choose(started, (torque - before) / t["period"], 0.0)
+    rate = choose(draft.started, (torque - before) / t["period"], 0.0)
     return group.adhesion + t["pressure_lag"] * rate / (brake["load"] * brake["wheel_radius"])
 
 
@@ -364,7 +356,7 @@ def _slope(
     draft: FormulaBuilder,
     train: Sequence[Wheels],
     signs: Sequence[float],
-    t: Mapping[str, Expression],
+    t: Symbols,
     rolling: Expression,
 ) -> tuple[Expression, Expression, Expression]:
     loads = [each.group.brake["load"] for each in train]
@@ -392,7 +384,7 @@ def _slope(
     return elasticity, weight, excitation
 
 
-def slope_targets(draft: FormulaBuilder, train: Sequence[Wheels], t: Mapping[str, Expression]) -> list[Target]:
+def slope_targets(draft: FormulaBuilder, train: Sequence[Wheels], t: Symbols) -> list[Target]:
     """Return the slip that each group seeks on the slope of adhesion; groups that do not slide do not count."""
     period, speed = t["period"], train[0].group.speed
     rolling = either(every(*(ca.logic_not(each.sliding) for each in train)), speed < t["speed_min"])
@@ -443,7 +435,7 @@ def _correct_slip(
 
 
 def _regression(
-    draft: FormulaBuilder, t: Mapping[str, Expression], changes: tuple[Expression, Expression], rolling: Expression
+    draft: FormulaBuilder, t: Symbols, changes: tuple[Expression, Expression], rolling: Expression
 ) -> tuple[Expression, Expression, Expression]:
     """Return the elasticity d(ln α)/d(ln s), its variance, and the share of the excitation above noise, from 0 to 1.
 

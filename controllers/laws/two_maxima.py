@@ -10,14 +10,14 @@ at the first maximum is that of `SlopeSeeking`. The comparison at the same place
 this project's.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import log
 from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import Demand, Ranges
+from railgrip.controllers.law import GroupObservation, Ranges
 from railgrip.controllers.laws.slope_seeking import (
     SlopeSeeking,
     SlopeTuning,
@@ -26,8 +26,9 @@ from railgrip.controllers.laws.slope_seeking import (
     seek,
     slope_targets,
     weighted_mean,
+    wheels_of,
 )
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, either, every, within
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,39 +120,37 @@ class TwoMaxima(SlopeSeeking):
         }
     }
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the demand of one group."""
+    @classmethod
+    def demands(cls, draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:
+        """Return the demanded pressure of each group [Pa]."""
         deep = draft.state("deep", "1", "1 in deep slip")
         trial = draft.state("trial", "1", "1 while one group tries deep slip")
-
-        def targets_of(draft: FormulaBuilder, train: Sequence[Wheels], t: Mapping[str, Expression]) -> list[Target]:
-            compared = _compare(draft, train, t, deep, trial)
-            speed = train[0].group.speed
-            ended = draft.state("ended_speed", "m/s", "train speed at which deep slip or a trial ended last", _BEYOND)
-            begins = every(
-                deep < 0.5,
-                trial < 0.5,
-                compared.compares,
-                compared.advantage > t["advantage_high"],
-                speed < t["speed_ratio"] * ended,
-                speed > t["trial_speed"],
-            )
-            succeeds, fails, leads = _try(draft, train, t, trial, begins, compared)
-            loses = _loses(draft, train, t, deep, trial, compared)
-            ends = every(deep > 0.5, either(compared.advantage < t["advantage_low"], loses))
-            draft.keep(ended, choose(either(ends, fails), speed, ended))
-            draft.keep(trial, choose(begins, 1.0, choose(either(succeeds, fails), 0.0, trial)))
-            following = choose(succeeds, 1.0, choose(ends, 0.0, deep))
-            draft.keep(deep, following)
-            draft.show("deep_slip", "1", "1 in deep slip", following)
-            draft.show("deep_trial", "1", "1 while one group tries deep slip", trial)
-            goal = choose(deep > 0.5, t["slip_deep"], t["slip_trial"])
-            dives = [either(deep > 0.5, every(trial > 0.5, lead)) for lead in leads]
-            return _slips(draft, train, {**t, "slip_deep": goal}, dives)
-
         vent = choose(either(deep > 0.5, trial > 0.5), tuning["slip_vent_deep"], tuning["slip_vent"])
-        return seek(draft, {**tuning, "slip_vent": vent}, targets_of)
+        t = {**tuning, "slip_vent": vent}
+        wheels = [wheels_of(draft, group, t) for group in train]
+        compared = _compare(draft, wheels, t, deep, trial)
+        speed = train[0].speed
+        ended = draft.state("ended_speed", "m/s", "train speed at which deep slip or a trial ended last", _BEYOND)
+        begins = every(
+            deep < 0.5,
+            trial < 0.5,
+            compared.compares,
+            compared.advantage > t["advantage_high"],
+            speed < t["speed_ratio"] * ended,
+            speed > t["trial_speed"],
+        )
+        succeeds, fails, leads = _try(draft, wheels, t, trial, begins, compared)
+        loses = _loses(draft, wheels, t, deep, trial, compared)
+        ends = every(deep > 0.5, either(compared.advantage < t["advantage_low"], loses))
+        draft.keep(ended, choose(either(ends, fails), speed, ended))
+        draft.keep(trial, choose(begins, 1.0, choose(either(succeeds, fails), 0.0, trial)))
+        following = choose(succeeds, 1.0, choose(ends, 0.0, deep))
+        draft.keep(deep, following)
+        draft.show("deep_slip", "1", "1 in deep slip", following)
+        draft.show("deep_trial", "1", "1 while one group tries deep slip", trial)
+        goal = choose(deep > 0.5, t["slip_deep"], t["slip_trial"])
+        dives = [either(deep > 0.5, every(trial > 0.5, lead)) for lead in leads]
+        return seek(draft, wheels, _slips(draft, wheels, {**t, "slip_deep": goal}, dives), t)
 
 
 _CELL, _CELLS = 1.0, 48
@@ -197,7 +196,7 @@ class GroupAdvantage:
 def _compare(
     draft: FormulaBuilder,
     train: Sequence[Wheels],
-    t: Mapping[str, Expression],
+    t: Symbols,
     deep: Expression,
     trial: Expression,
 ) -> GroupAdvantage:
@@ -257,7 +256,7 @@ def _compare(
 def _try(
     draft: FormulaBuilder,
     train: Sequence[Wheels],
-    t: Mapping[str, Expression],
+    t: Symbols,
     trial: Expression,
     begins: Expression,
     compared: GroupAdvantage,
@@ -310,7 +309,7 @@ class Response:
 def _response(
     draft: FormulaBuilder,
     train: Sequence[Wheels],
-    t: Mapping[str, Expression],
+    t: Symbols,
     trial: Expression,
     begins: Expression,
     compared: GroupAdvantage,
@@ -399,7 +398,7 @@ def _memory(
 def _loses(
     draft: FormulaBuilder,
     train: Sequence[Wheels],
-    t: Mapping[str, Expression],
+    t: Symbols,
     deep: Expression,
     trial: Expression,
     compared: GroupAdvantage,
@@ -427,9 +426,7 @@ def _loses(
     return every(is_deep, time >= t["level_time"], level < slope - t["level_loss"])
 
 
-def _slips(
-    draft: FormulaBuilder, train: Sequence[Wheels], t: Mapping[str, Expression], dive_now: Sequence[Expression]
-) -> list[Target]:
+def _slips(draft: FormulaBuilder, train: Sequence[Wheels], t: Symbols, dive_now: Sequence[Expression]) -> list[Target]:
     """Return the slip that each group seeks, and its rate [1/s]."""
     period = t["period"]
     dives: list[Expression] = []

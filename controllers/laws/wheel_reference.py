@@ -1,11 +1,20 @@
 """A law based on published descriptions of common practice: its reference speed comes from wheel speeds alone."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, time_release
+from railgrip.controllers.law import FULL_PRESSURE, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.sampled import (
+    Expression,
+    FormulaBuilder,
+    Symbols,
+    choose,
+    either,
+    every,
+    low_pass,
+    time_release,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,44 +92,34 @@ class WheelReference(GroupLaw):
         }
     }
 
-    @staticmethod
-    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
-        """Return the function for the demand of one group."""
+    @classmethod
+    def demands(cls, draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:
+        """Return the demanded pressure of each group [Pa]."""
         period = tuning["period"]
         before = draft.state("reference", "m/s", "reference speed")
-        started = draft.state("started", "1", "1 once there is a sample before this one")
+        started = draft.started
         sliding = draft.state("sliding", "s", "since the last test release, while a group slides")
         idle = draft.state("idle", "s", "since the last slide of a group")
-        draft.keep(started, 1.0)
-        testing = sliding >= tuning["test_after"]
-        references: list[Expression] = []
+        reference = _reference(train, started, before - tuning["deceleration_max"] * period)
+        draft.keep(before, choose(reference > 0.0, reference, 0.0))
+        protecting = reference >= tuning["speed_min"]
+        demands: list[Expression] = []
         slides: list[Expression] = []
-
-        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
-            # The reference needs all groups, whose observations are known from the first call on.
-            if not references:
-                references.append(_reference(group.train, started, before - tuning["deceleration_max"] * period))
-                draft.keep(before, choose(references[0] > 0.0, references[0], 0.0))
-            (reference,) = references
+        for group in train:
             full, rolling = group.brake["pressure_max"], _rolling(group)
-            filtered = draft.state(group.label("rolling"), "m/s", "filtered rolling speed")
+            _, acceleration = low_pass(draft, tuning, group.label("rolling"), rolling, "m/s")
             vented = draft.state(
                 group.label("vented"), "s", "time of venting, and of the braking that follows one that lasted too long"
             )
             target = draft.state(group.label("target"), "1", "demanded pressure over the full one", start=1.0)
-
-            step = period / (tuning["filter_time"] + period) * (rolling - filtered)
-            draft.keep(filtered, choose(started, filtered + step, rolling))
-            deceleration = choose(started, -step / period, 0.0)
             slip = choose(reference > tuning["speed_min"], 1.0 - rolling / reference, 0.0)
             decelerating, above_high, above_low = (
-                deceleration > tuning["deceleration"],
+                -acceleration > tuning["deceleration"],
                 slip > tuning["slip_high"],
                 slip > tuning["slip_low"],
             )
-            protecting = reference >= tuning["speed_min"]
             vent_criterion = either(above_high, every(above_low, decelerating))
-            test_release = every(testing, group.index == len(group.train))
+            test_release = every(sliding >= tuning["test_after"], group is train[-1])
             hold_criterion = either(above_low, decelerating)
             slides.append(every(protecting, either(vent_criterion, above_low)))
 
@@ -133,17 +132,14 @@ class WheelReference(GroupLaw):
             risen = target + tuning["rise"] * period
             new_target = choose(either(venting, holding), group.pressure / full, choose(risen < 1.0, risen, 1.0))
             draft.keep(target, choose(protecting, new_target, 1.0))
-            pressure = choose(venting, 0.0, full * new_target)
+            demands.append(choose(protecting, choose(venting, 0.0, full * new_target), full))
 
-            if group.index == len(group.train):  # the slides of all groups are known
-                draft.keep(idle, choose(either(*slides), 0.0, idle + period))
-                # Slides come and go within seconds: a shorter pause does not end the count.
-                counted = choose(idle < _PAUSE, sliding + period, 0.0)
-                over = sliding >= tuning["test_after"] + tuning["test_time"]
-                draft.keep(sliding, choose(every(protecting, started), choose(over, 0.0, counted), 0.0))
-            return choose(protecting, pressure, full)
-
-        return demand
+        draft.keep(idle, choose(either(*slides), 0.0, idle + period))
+        # Slides come and go within seconds: a shorter pause does not end the count.
+        counted = choose(idle < _PAUSE, sliding + period, 0.0)
+        over = sliding >= tuning["test_after"] + tuning["test_time"]
+        draft.keep(sliding, choose(every(protecting, started), choose(over, 0.0, counted), 0.0))
+        return demands
 
 
 _PAUSE = 2.0  # s, longest time without a slide within one period of sliding

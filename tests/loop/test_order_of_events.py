@@ -167,12 +167,12 @@ def state_estimator(filter_):
 def law_that_ends(calls):
     """Return a law that returns numbers for a given number of calls, and then NaN."""
 
-    def demand_with(draft):
+    def demands(draft, tuning, train):
         left = draft.state("left", "1", "calls", start=float(calls))
         draft.keep(left, left - 1.0)
-        return lambda draft, seen: choose(left > 0.0, 1e5, float("nan"))
+        return [choose(left > 0.0, 1e5, float("nan")) for _ in train]
 
-    return Law(law("Ending", "Gives up", 4, demand_with), GROUPS, {})
+    return Law(law("Ending", "Gives up", 4, demands), GROUPS, {})
 
 
 STEPS = TrackForce(

@@ -31,9 +31,9 @@ class Threshold(GroupLaw):
     brake_data = FULL_PRESSURE
     tuning = Level
 
-    @staticmethod
-    def demand_with(draft, tuning):
-        return lambda draft, group: choose(group.slip < tuning["threshold"], group.brake["pressure_max"], 0.0)
+    @classmethod
+    def demand(cls, draft, tuning, group):
+        return choose(group.slip < tuning["threshold"], group.brake["pressure_max"], 0.0)
 """
 NAMED = "extends = 'trapezoid'\nname = 'own'\n[controller]\nkind = 'own_formula:Threshold'\nparameters = {level}\n"
 
@@ -68,7 +68,7 @@ NOTED = Annotated[float, "1", ""]
 
 def law(demand, **attributes):
     """Return a class of a formula whose demand is a function of the draft, the parameters and the group."""
-    body = {"description": "", "demand_with": staticmethod(lambda _, tuning: lambda d, group: demand(d, tuning, group))}
+    body = {"description": "", "demand": staticmethod(demand)}
     return type("Own", (GroupLaw,), body | attributes)
 
 
