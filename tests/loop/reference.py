@@ -69,7 +69,10 @@ def brake(parts):
             mean, variance = belief.filter.mean, np.diagonal(belief.filter.covariance)
             of_groups = [belief.wheelset_speed, belief.adhesion, belief.pad_friction]
             recorder.rows[k, recorder.block(ESTIMATED_STATES)] = mean[np.concatenate([[belief.speed], *of_groups])]
-            recorder.rows[k, recorder.block(DEVIATIONS)] = np.sqrt(variance[np.concatenate(of_groups[1:])])
+            squares = variance[np.concatenate(of_groups[1:])]
+            squares[:4] += (belief.load_deviation * mean[belief.adhesion]) ** 2
+            recorder.rows[k, recorder.block(DEVIATIONS)] = np.sqrt(squares)
+            keep(k, "estimate_slip", slip_of(mean[belief.speed], belief.wheel_radius, mean[belief.wheelset_speed]))
             recorder.rows[k, recorder.block(INNOVATION)] = innovation
         if is_due(k, clock.controller):
             seen = observation(parts, k, latest, pressure)
@@ -111,6 +114,9 @@ def observation(parts, k, latest, pressure):
         estimates = mean[belief.adhesion], mean[belief.pad_friction]
         lost = variance[belief.wheelset_speed] > (1.0 / np.array(belief.wheel_radius)) ** 2
         readings = np.where(lost, np.nan, wheels)
-    radius = np.array(parts.wheel_radius if belief is None else belief.wheel_radius)
-    slip = np.zeros(4) if speed < 0.05 else 1.0 - radius * wheels / speed
+    slip = slip_of(speed, parts.wheel_radius if belief is None else belief.wheel_radius, wheels)
     return Observation(time, speed, acceleration, readings, slip, belief is not None, *estimates, measured, pressure)
+
+
+def slip_of(speed, radius, wheels):
+    return np.zeros(4) if speed < 0.05 else 1.0 - np.array(radius) * wheels / speed

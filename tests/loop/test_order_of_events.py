@@ -160,6 +160,7 @@ def state_estimator(filter_):
         reading_places=seen,
         speed=0,
         wheel_radius=RADIUS,
+        load_deviation=0.1,
         **{n: at + np.arange(4) for n, at in places.items()},
     )
 
@@ -268,10 +269,8 @@ def same(plant=Plant, controller=SLIP, filter_=None, keep=None, **changed):
         parts = parts_of(train, wrap(law), filter_() if filter_ else None, **setup)
         ends.append(run(parts))
         recorder, written = parts.recorder, ends[-1][-1]
-        # The estimated slip is derived from the rows at the end of the loop.
-        columns = [place for name, place in recorder.columns.items() if name != "estimate_slip"]
         bits.append(
-            [recorder.rows[:written, place].tobytes() for place in columns]
+            [recorder.rows[:written, place].tobytes() for place in recorder.columns.values()]
             + [np.array(train.given).tobytes(), law.state.tobytes()]
         )
         if keep and run is not brake:
