@@ -2,11 +2,9 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from pathlib import Path
 
-import fmpy
 import numpy as np
-from fmpy.fmi2 import FMU2Slave
+from slave import Slave
 
 from railgrip.fmus.build import fmu
 
@@ -22,6 +20,8 @@ WATCHED = [
 ]
 """Recorded outputs; a number in brackets is a length."""
 
+BOOLEAN = ("standstill", "locked[4]")
+
 
 def scalars(name: str) -> list[str]:
     """Return the scalar names of an entry of `WATCHED`."""
@@ -32,10 +32,8 @@ def scalars(name: str) -> list[str]:
 class Train:
     """A train FMU that can be stopped repeatedly."""
 
-    def __init__(self, name: str, scratch: Path) -> None:
-        self.description = fmpy.read_model_description(str(fmu(name)))
-        self.folder = fmpy.extract(str(fmu(name)), unzipdir=str(scratch / name))
-        self.variables = {v.name: v for v in self.description.modelVariables}
+    def __init__(self, name: str) -> None:
+        self.file = fmu(name)
 
     def run(
         self,
@@ -52,51 +50,33 @@ class Train:
         Half the step hardly changes a stop (test_train_stops.py), and calls of FMPy take longer than the FMU.
         Inputs are held over a step; a signal that returns a sequence sets `name[1]`, `name[2]` and so on.
         """
-        slave = FMU2Slave(
-            guid=self.description.guid,
-            unzipDirectory=self.folder,
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
-        )
-        reference = {name: v.valueReference for name, v in self.variables.items()}
-        watched = [s for name in WATCHED for s in scalars(name)]
-        real = [s for s in watched if self.variables[s].type == "Real"]
-        boolean = [s for s in watched if self.variables[s].type == "Boolean"]
-        slave.instantiate()
-        try:
-            slave.setupExperiment()
-            slave.setReal([reference[p] for p in parameters], list(parameters.values()))
-            slave.enterInitializationMode()
-            self._set(slave, reference, inputs, 0.0)
-            slave.exitInitializationMode()
-            rows: list[list[float]] = []
+        boolean = [s for name in BOOLEAN for s in scalars(name)]
+        real = [s for name in WATCHED if name not in BOOLEAN for s in scalars(name)]
+        rows: list[list[float]] = []
+        with Slave(self.file, {**parameters, **at(inputs, 0.0)}) as train:
+            references = [train.reference[s] for s in boolean]
             for k in range(round(until / step) + 1):
-                time = k * step
                 if k % keep == 0:
-                    values = slave.getReal([reference[s] for s in real])
-                    flags = slave.getBoolean([reference[s] for s in boolean])
-                    rows.append([time, *values, *map(float, flags)])
-                    if flags[boolean.index("standstill")] and time > 0 and not past_standstill:
+                    flags = train.fmu.getBoolean(references)
+                    rows.append([k * step, *train.get(*real), *map(float, flags)])
+                    if flags[boolean.index("standstill")] and k > 0 and not past_standstill:
                         break
-                self._set(slave, reference, inputs, time)
-                slave.doStep(time, step)
-        finally:
-            slave.terminate()
-            slave.freeInstance()
+                train.step(k, step, **at(inputs, k * step))
         table = dict(zip(["time", *real, *boolean], np.array(rows).T, strict=True))
         columns = {name: [table[s] for s in scalars(name)] for name in WATCHED}
         return {"time": table["time"]} | {
             name.partition("[")[0]: np.stack(own, axis=1) if "[" in name else own[0] for name, own in columns.items()
         }
 
-    @staticmethod
-    def _set(slave: FMU2Slave, reference: Mapping[str, int], inputs: Mapping[str, Signal], time: float) -> None:
-        names, values = [], []
-        for name, signal in inputs.items():
-            now = signal(time)
-            own = [now] if np.isscalar(now) else list(now)
-            names += [name] if np.isscalar(now) else [f"{name}[{i + 1}]" for i in range(len(own))]
-            values += own
-        slave.setReal([reference[n] for n in names], [float(v) for v in values])
+
+def at(inputs: Mapping[str, Signal], time: float) -> dict[str, float]:
+    """Return the values of scalar inputs at a time."""
+    values: dict[str, float] = {}
+    for name, signal in inputs.items():
+        now = signal(time)
+        elements = {name: now} if np.isscalar(now) else {f"{name}[{i + 1}]": value for i, value in enumerate(now)}
+        values |= {element: float(value) for element, value in elements.items()}
+    return values
 
 
 G = 9.81

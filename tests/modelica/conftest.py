@@ -1,14 +1,14 @@
-"""The two plants, unpacked once."""
+"""The two plants."""
 
 import pytest
 from braking import Train
 
 
 @pytest.fixture(scope="session")
-def train(tmp_path_factory: pytest.TempPathFactory) -> Train:
-    return Train("TwoPartTrain", tmp_path_factory.mktemp("ideal"))
+def train() -> Train:
+    return Train("TwoPartTrain")
 
 
 @pytest.fixture(scope="session")
-def pneumatic_train(tmp_path_factory: pytest.TempPathFactory) -> Train:
-    return Train("TwoPartTrainPneumatic", tmp_path_factory.mktemp("pneumatic"))
+def pneumatic_train() -> Train:
+    return Train("TwoPartTrainPneumatic")

@@ -40,21 +40,6 @@ def call(function: str, tmp_path, **arguments: float) -> float:
     return float(ca.evalf(ca.SX(model.output(0, ca.SX(0, 1), ca.SX(0, 1), ca.SX(0, 1)))))
 
 
-def test_a_uniformly_heated_band_has_its_closed_form():
-    """Heat flows into a half-space while the band passes; an explicit scheme of finite differences agrees."""
-    q, time, cells = 1e6, 5e-4, 400
-    diffusivity = K / (RHO * C_P)
-    dx = 6 * np.sqrt(diffusivity * time) / cells
-    dt = 0.4 * dx**2 / diffusivity
-    rise = np.zeros(cells)
-    for _ in range(round(time / dt)):
-        flow = np.concatenate([[q], -K * np.diff(rise) / dx, [0.0]])
-        rise += dt / (RHO * C_P * dx) * (flow[:-1] - flow[1:])
-    surface = rise[0] + q * dx / (2 * K)  # from the middle of the first cell
-    # First order in dx at the surface: half a cell of 400 within six depths.
-    assert surface == pytest.approx(2 * q * np.sqrt(time / (np.pi * K * RHO * C_P)), rel=2e-3)
-
-
 def test_the_formula_of_the_flash_temperature_is_the_quadrature_of_moving_sources(tmp_path):
     """Tian and Kennedy's formula is an interpolation: exact at both ends, 4 % low at intermediate Péclet numbers."""
     for peclet in PECLETS:
