@@ -20,15 +20,10 @@ _SMALLEST = 0.75
 _TOUCH = 2.0
 """Overlap of the boxes of two texts that is not one of their letters: boxes are higher than letters [pixels]."""
 
-_DRAWN = """<script>
-const drawn = async () => {
-  while (document.querySelector(".plot") && document.body.dataset.drawn !== "yes")
-    await new Promise((done) => setTimeout(done, 50));
-};
-</script>"""
 _SCRIPT = """<script>
 addEventListener("load", async () => {
-  await drawn();
+  while (document.querySelector(".plot") && document.body.dataset.drawn !== "yes")
+    await new Promise((done) => setTimeout(done, 50));
   const box = (one) => {
     const { left, right, top, bottom } = one.getBoundingClientRect();
     return { left, right, top, bottom };
@@ -118,18 +113,18 @@ addEventListener("load", async () => {
 </script>"""
 
 
-def in_frames(frames, folder):
-    """Return the texts that scripts write into the titles of frames with pages, in one run of a browser.
+def drawn(frames, folder):
+    """Return the places of texts and axes that a browser draws of pages in frames, in one run.
 
     A window is never narrower than 500 pixels.
 
     Args:
-        frames: Page, script, width and height of each frame [pixels].
+        frames: Page, width and height of each frame [pixels].
         folder: Folder for the profile of the browser.
     """
     folder.mkdir(exist_ok=True)
-    for number, (page, script, width, height) in enumerate(frames):
-        text = page.read_text(encoding="utf-8").replace("</body>", f"{_DRAWN}{script}</body>")
+    for number, (page, width, height) in enumerate(frames):
+        text = page.read_text(encoding="utf-8").replace("</body>", f"{_SCRIPT}</body>")
         (folder / f"measured{number}.html").write_text(text, encoding="utf-8")
         frame = f'<iframe src="measured{number}.html" style="width:{width}px;height:{height}px;border:0"></iframe>'
         (folder / f"frame{number}.html").write_text(frame, encoding="utf-8")
@@ -138,13 +133,8 @@ def in_frames(frames, folder):
     outer.write_text("".join(map(one.format, range(count))) + _COLLECT, encoding="utf-8")
     options = (f"--window-size=1400,{1000 * count}", f"--virtual-time-budget={20_000 * count}")
     found = json.loads(title_of(outer, folder, *options))
-    assert [each["width"] for each in found] == [width for _, _, width, _ in frames]
+    assert [each["width"] for each in found] == [width for _, width, _ in frames]
     return found
-
-
-def drawn(frames, folder):
-    """Return the places of texts and axes that a browser draws of pages in frames of these widths and heights."""
-    return in_frames([(page, _SCRIPT, width, height) for page, width, height in frames], folder)
 
 
 def defects_on_screen(pages, folder, *widths):

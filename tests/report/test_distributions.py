@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import numpy as np
 import pandas
 import pytest
-from pages import figures_of
 from scipy import stats
 from scipy.stats import norm
 
@@ -173,21 +172,6 @@ def page(folder):
     return write_report(folder, panels="none")
 
 
-def test_a_page_of_draws_lists_controllers_instead_of_stops(folder, page):
-    as_json, as_markdown = write_table(read_results(folder), folder)
-    text = as_markdown.read_text(encoding="utf-8")
-    assert text.count("| random |") == 4
-    assert "change vs best tuned SBC" in text
-    assert '"worst_draw"' in as_json.read_text(encoding="utf-8")
-    captions = ["exceedance", "Braking distances over the draws", "Maximum friction at the wheelsets"]
-    assert list(figures_of(page)) == captions
-    html = page.read_text(encoding="utf-8")
-    # For the scenarios; the other tables state it above their rows.
-    assert html.count('<td class="text">random</td>') == 1
-    same = "Same in all rows: scenario random; actuation ideal; sensors ideal; creep curve dry; draws 4."
-    assert html.count(same) == 2  # for quantiles, and for distances
-
-
 def test_the_figure_has_a_point_for_each_draw_and_a_panel_for_each_reference(folder):
     distributions = distributions_of(frame_of(read_results(folder)))
     panels = distribution_figure(distributions).axes
@@ -213,12 +197,6 @@ def test_a_table_of_many_missing_stops_names_a_few(folder):
     results = replace(read_results(folder), missing=tuple(f"stop{n}" for n in range(40)))
     text = write_table(results, folder)[1].read_text(encoding="utf-8")
     assert "Not run: stop0, stop1, stop2, stop3, stop4, stop5, stop6, stop7 and 32 more." in text
-
-
-def test_quantiles_of_a_controller_under_two_actuations_are_distinguished(folder):
-    one = distributions_of(frame_of(read_results(folder))).head(1)
-    table = quantile_table(pandas.concat([one, one.assign(actuation="pneumatic")]), None)
-    assert [row["actuation"] for row in table.rows] == ["ideal", "pneumatic"]
 
 
 def test_quantiles_and_exceedance_of_many_draws_agree_with_their_distribution(folder):

@@ -44,19 +44,6 @@ def test_friction_has_a_panel_for_each_scenario_from_blue_to_purple(stops):
     assert panels[0].get_legend().get_texts()[0].get_text() == "wheelsets 1, 2"
 
 
-def test_each_rail_of_a_scenario_has_a_line_named_by_the_variants(stops):
-    """Levels calibrated for each creep curve are separate rails, which controllers share."""
-    stop, other = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
-    adhesion = stop.inputs["adhesion"] | {"polach": {"name": "steep"}, "calibrated": {"steep": 2.0}}
-    steep = replace(stop, inputs=stop.inputs | {"adhesion": adhesion})
-    shapes = [
-        replace(one, variants=one.variants | {"shape": shape})
-        for one, shape in ((stop, "dry"), (other, "dry"), (steep, "steep"))
-    ]
-    (panel,) = friction_figure(shapes).axes
-    assert [line.get_label() for line in panel.lines] == ["dry", "steep"]
-
-
 def test_adhesion_includes_sbc_abc_estimate_maximum_and_limit(stops):
     sbc, abc = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
     panel = adhesion_figure(sbc, abc).axes[0]
@@ -79,14 +66,6 @@ def test_distances_are_drawn_next_to_the_published_ones(tmp_path, write_campaign
     assert lengths == pytest.approx(sorted(frame["distance"]))
     marks = sorted(float(line.get_xdata()[0]) for panel in panels_of_rails for line in panel.lines)
     assert marks == sorted([382.9, 333.4, 316.2, 286.6, 339.6, 309.6])
-
-
-def test_the_panels_of_a_stop_have_units_and_share_their_scales(stops):
-    figure = stops["trapezoid-ideal-adhesion_based"].plot()
-    labels = [panel.get_ylabel() for panel in figure.axes if panel.get_ylabel()]
-    assert labels == ["speed [km/h]", "slip [%]", "adhesion", "pad friction", "cylinder pressure [bar]"]
-    assert len(figure.axes) == 20
-    assert figure.axes[0].lines[0].get_ydata()[0] == pytest.approx(80.0)
 
 
 def test_signals_missing_in_a_plant_have_no_row_and_no_number(tmp_path, write_campaign):
@@ -147,19 +126,6 @@ def test_each_of_a_few_cases_has_a_line_with_its_friction(folder):
     of_first = [line.get_xdata()[0] for line in figure.axes[0].lines]
     assert sorted(of_first) == pytest.approx(sorted(8 * frame["distance"].tolist()))
     assert [line.get_marker() for line in figure.axes[2].lines].count("x") == len(frame)
-
-
-def test_controllers_of_one_kind_have_separate_bars(folder):
-    """Two-state control with published and with other thresholds; the second is not drawn over the first."""
-    frame = frame_of(read_results(folder)).query("controller == 'slip_two_state'")
-    shorter = {"distance": 0.9 * frame["distance"], "paper_distance": np.nan}
-    both = pandas.concat([frame, frame.assign(controller_label="SBC, two-state 1/2 %", **shorter)])
-    panels_of_rails = distance_figure(both).axes
-    bars = [bar for panel in panels_of_rails for bar in panel.patches]
-    assert sorted(bar.get_width() for bar in bars) == pytest.approx(sorted(both["distance"]))
-    for panel in panels_of_rails:
-        assert len({bar.get_facecolor() for bar in panel.patches}) == 2
-        assert len({round(bar.get_y(), 6) for bar in panel.patches}) == 2
 
 
 def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):

@@ -121,12 +121,6 @@ def test_no_text_of_a_page_overlaps_and_no_axis_is_low(name, width, screens):
 
 
 @needs_browser
-def test_the_overview_of_a_campaign_fits_a_narrow_screen(screens):
-    overview = screens["campaign", 390, 900]["figures"][0]
-    assert 0 < overview["left"] < overview["right"] < 390
-
-
-@needs_browser
 def test_the_answer_of_a_campaign_is_on_the_first_screen(screens):
     """On a screen of 1280 by 800 pixels: the overview with all of its columns, and the figure."""
     found = screens["campaign", 1280, 800]

@@ -11,9 +11,7 @@ from legible import needs_browser, title_of
 from scipy import stats
 from test_distributions import frame, row
 
-import railgrip as rg
 import railgrip.report.table
-from railgrip.campaign.sweep import write_table as write_frame
 from railgrip.report.distances import write_table
 from railgrip.report.distribution import distributions_of, plain_distributions
 from railgrip.report.frame import frame_of, groups_of, plain_rows
@@ -112,14 +110,6 @@ def test_a_cell_without_a_number_has_none_to_sort_by():
         html = table.__html__()
         assert html.count("data-value") == 2
         assert "nan" not in html
-
-
-def test_units_are_in_the_columns_of_files_and_in_the_attributes_of_the_frame(folder, tmp_path):
-    """Whatever a reader of Parquet or CSV does with attributes."""
-    loaded = rg.load(folder).to_pandas()
-    assert loaded.attrs["units"]["longest_lock[1]"] == "s"
-    write_frame(loaded, tmp_path / "x.parquet")
-    assert "longest_lock[1] [s]" in pandas.read_parquet(tmp_path / "x.parquet").columns
 
 
 @needs_browser

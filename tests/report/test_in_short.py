@@ -39,14 +39,6 @@ def estimates():
     )
 
 
-def test_a_stop_prints_in_five_lines():
-    text = str(stop())
-    assert text.splitlines()[0] == "Stop of trapezoid, seed 2021: standstill, the train stands"
-    assert len(text.splitlines()) == 5
-    assert "from 80.0 km/h, mean deceleration 0.950 m/s2" in text
-    assert len(repr(stop("description=slide")).splitlines()) == 5
-
-
 def test_a_sweep_prints_its_shortest_and_longest_stop():
     lines = repr(sweep()).splitlines()
     assert len(lines) == 5

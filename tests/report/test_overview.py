@@ -122,14 +122,6 @@ def test_the_headline_is_of_each_equipment_and_of_common_stops(frame):
     assert "stops that not all of them have are not compared." in headline(lacking)
 
 
-def test_a_screen_has_the_table(frame):
-    """25 lines of 100 characters: with sentences, a path and other targets below, the table has at most 15."""
-    table = overview_table(overview_of(frame))
-    widths = [max(len(column), *(len(row[column]) for row in table.texts)) for column in table.columns]
-    assert sum(width + 2 for width in widths) <= 100
-    assert len(table.rows) <= 15
-
-
 @pytest.mark.parametrize("change", [{"paper_distance": math.nan}, {"draw": 1}])
 def test_a_campaign_without_published_distances_has_no_overview(frame, change):
     assert overview_of(frame.assign(**change)) is None

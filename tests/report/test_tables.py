@@ -4,16 +4,14 @@ import json
 from dataclasses import replace
 from math import isnan
 
-import numpy as np
 import pytest
 from synthetic_runner import DECELERATION, run_stop
 
 from railgrip.base.errors import RecordError
 from railgrip.report.distances import write_table
 from railgrip.report.frame import frame_of
-from railgrip.report.reference import CONTROLLERS
 from railgrip.report.results import read_results
-from railgrip.report.stop import metrics_table, write_stop
+from railgrip.report.stop import write_stop
 
 
 def kept(stop):
@@ -39,21 +37,6 @@ def test_reductions_are_relative_to_sbc_in_the_same_conditions(folder):
     assert rows["ideal", "adhesion_literal"].paper_reduction == pytest.approx(0.129, abs=5e-4)
     assert isnan(rows["pneumatic", "adhesion_literal"].paper_distance)
     assert isnan(rows["ideal", "adhesion_based"].paper_distance)  # the paper does not have this law
-
-
-def test_searched_levels_have_separate_rows_relative_to_the_papers(folder):
-    """Two forms, each with slip as read and as estimated; the reference remains the paper's SBC."""
-    rows = [
-        row
-        for row in frame_of(read_results(folder)).itertuples()
-        if row.actuation == "ideal" and "instant" not in row.case
-    ]
-    controllers = [row.controller for row in rows]
-    names = [f"slip_{form}_state_{slip}" for slip in ("read", "estimated") for form in ("two", "three")]
-    assert [name for name in controllers if name.endswith(("_read", "_estimated"))] == names
-    assert len(set(controllers)) == len(controllers)
-    assert set(controllers) <= set(CONTROLLERS)
-    assert [row.controller for row in rows if isnan(row.reduction_vs_sbc)] == ["slip_two_state"]
 
 
 def test_similar_stops_are_distinguished_and_compared_in_their_own_conditions(tmp_path, write_campaign):
@@ -87,44 +70,6 @@ adhesion.polach_of_wheelset = ["dry", "dry", "dry", "soap", "dry", "dry"]
 """
     write_campaign(tmp_path, text=text)
     assert [row.polach for row in rows_of(tmp_path)] == ["dry, soap, leaf"]
-
-
-def test_json_has_the_requested_rows(folder):
-    as_json, as_markdown = write_table(read_results(folder), folder)
-    content = json.loads(as_json.read_text(encoding="utf-8"))
-    expected = {
-        "scenario", "actuation", "sensors", "controller", "estimator", "distance_m", "duration_s",
-        "reduction_vs_sbc", "utilisation", "paper_distance_m",
-    }  # fmt: skip
-    assert as_json.name == "table1.json"
-    assert expected <= set(content["rows"][0])
-    text = as_markdown.read_text(encoding="utf-8")
-    assert "## Actuation ideal, sensors ideal, creep curve" in text
-    assert "## Actuation pneumatic, sensors service" in text
-    assert "−12.9 %" in text
-
-
-def test_a_missing_figure_is_null_and_an_empty_cell(folder):
-    results = read_results(folder)
-    first, *others = (stop for stop in results.stops if stop.variants["equipment"] == "service")
-    without_air = replace(first, metrics=replace(first.metrics, air_used=np.nan))
-    results = replace(results, stops=(without_air, *others))
-    as_json, as_markdown = write_table(results, folder)
-    air = [row["air_l"] for row in json.loads(as_json.read_text(encoding="utf-8"))["rows"]]
-    assert air[0] is None
-    assert None not in air[1:]
-    head, _, row, *_ = (line for line in as_markdown.read_text(encoding="utf-8").splitlines() if line.startswith("|"))
-    cells = dict(zip(head.split("|"), row.split("|"), strict=True))
-    assert cells[" air "].strip() == ""
-
-
-def test_air_is_omitted_with_ideal_actuation_which_has_no_valves(folder):
-    rows = rows_of(folder)
-    assert {row.actuation for row in rows if not isnan(row.air_used)} == {"pneumatic"}
-    stop = next(stop for stop in read_results(folder).stops if stop.inputs["actuation"]["kind"] == "ideal")
-    assert np.isfinite(stop.metrics.air_used)
-    figures = {row["figure"]: row["value"] for row in metrics_table(stop.figures).rows}
-    assert figures["air used"] == "–"
 
 
 def test_a_stop_without_standstill_has_no_distance_and_no_reduction(tmp_path, write_campaign):

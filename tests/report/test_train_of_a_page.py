@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from synthetic import COARSE, LIBRARY
-from synthetic_runner import run_stop, stop_with
+from synthetic_runner import run_stop
 
 from railgrip.report.index import stop_page
-from railgrip.report.palette import BLACK, of_groups
 from railgrip.report.signals import signals_plot
 from railgrip.report.stop import read_stop, write_stop
 from railgrip.rolling_stock.schema import load_train
@@ -37,17 +36,3 @@ def test_a_plant_without_a_train_file_has_the_cars_that_it_declares(tmp_path):
     write_stop(replace(run_stop(scenario), cars=known), tmp_path)
     plot = stop_page(read_stop(tmp_path)).signals
     assert plot["layout"]["meta"]["train"]["cars"] == list(known)
-
-
-def test_wheelsets_of_a_group_have_one_colour_and_groups_different_ones():
-    stop = stop_with()
-    plot, group = signals_plot(stop.trace), stop.trace["group_of_wheelset"].values
-    colours = plot["layout"]["meta"]["train"]["colours"]
-    assert len(set(colours)) == len(set(group)) > 1
-    assert len(set(zip(colours, group, strict=True))) == len(set(group))
-    for line in plot["data"]:
-        if line["name"].startswith("wheelset"):
-            wheelset = int(line["name"].split()[1])
-            assert line["line"]["color"] == colours[wheelset - 1]
-    assert len(set(of_groups(20))) == 20
-    assert BLACK not in of_groups(20)

@@ -141,15 +141,6 @@ def test_the_figure_has_medians_over_lots_or_else_the_accepted_distance(campaign
     assert drawn(distances_figure(campaign, moved)[0])[:2] == ([500, 500], [])
 
 
-def test_letters_of_the_figure_are_large_enough_on_a_page():
-    """At a width of 640 pixels, which a page of a repository has, no text is smaller than 11 pixels."""
-    text = (ROOT / "docs" / FILE).read_text(encoding="utf-8")
-    width = float(re.search(r'width="([\d.]+)pt"', text)[1])
-    scales = [float(each) for each in re.findall(r"scale\(([\d.]+) -[\d.]+\)", text)]
-    assert scales, "letters are outlines of 100 units"
-    assert min(scales) * 100 * 640 / width >= 11
-
-
 def test_a_baseline_of_some_stops_has_a_row_for_each_case(tmp_path):
     campaign, patterns = written(tmp_path, CASES), ("*-sbc",)
     accepted = {"random-light_train-sbc": stop(400), "random-as_believed-sbc": stop(310, lowest=290, highest=340)}
