@@ -1,68 +1,35 @@
-"""Docstrings and comments name only files, modules, classes and variables that exist."""
+"""Sources name only files, modules, classes and variables that exist, in docstrings and comments, too."""
 
 import ast
 import re
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pytest
 from project_files import project_files
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("harness", "controllers", "estimators", "fmus", "tools", "tests")
+PACKAGES = ("harness", "controllers", "estimators", "fmus", "tools")
 SUFFIXES = r"(?:py|c|h|toml|md|mo|json|svg|js|css)"
 FILE = re.compile(rf"(?<![\w./*<{{-])(?:[\w-]+/)*[\w-]+\.{SUFFIXES}(?!\.?\w|[*(])")
 DOTTED = re.compile(r"(?<![\w./`])`?(railgrip(?:\.\w+)+)")
 MODELICA = re.compile(r"(?<![\w.])RailBraking(?:\.[A-Za-z]\w*)+")
 QUOTED = re.compile(r"`([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)(?:\(\))?`")
-_STRING = r""""{3}(?:[^\\]|\\.)*?"{3}|'{3}(?:[^\\]|\\.)*?'{3}|"(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*'"""
-COMMENT = re.compile(rf"#[^\n]*|{_STRING}", re.DOTALL)
-"""A comment or a string of Python; Python's own tokenizer takes far longer."""
-TOKEN = re.compile(rf"#[^\n]*|[rbfu]{{0,2}}(?:{_STRING})|[^\W\d]\w*", re.DOTALL | re.IGNORECASE)
-"""A comment, a string or a name of Python."""
-GENERATED = {
-    "friction.json",
-}  # fmt: skip
-"""Files written by commands."""
+PROSE = re.compile(r'#[^\n]*|"{3}(?:[^\\]|\\.)*?"{3}', re.DOTALL)
+"""A comment or a docstring of Python."""
+GENERATED = {"friction.json", "model.c"}
+"""Files written by commands, and those in FMUs."""
 ENTRY_POINTS = {f"railgrip.{role}" for role in ("controllers", "estimators", "sensors", "plants")}
 """Entry point groups of other packages."""
 EXAMPLE = re.compile(r"My|.*_\d$")
 """Names in a user's library, and names of array elements."""
 
 
-@cache
-def sources() -> tuple[Path, ...]:
-    return tuple(ROOT / name for name in project_files() if name.endswith(".py") and name.startswith(PACKAGES[:-1]))
-
-
-@cache
-def tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
-
-
-def statements(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the statements in a module or statement, at any depth; most nodes are parts of expressions."""
-    for name in ("body", "orelse", "handlers", "finalbody", "cases"):
-        for each in getattr(node, name, ()):
-            yield each
-            yield from statements(each)
-
-
-def prose(path: Path) -> list[tuple[int, str]]:
-    """Return the docstrings and comments of a file with their line numbers."""
-    text = path.read_text(encoding="utf-8")
-    if path.suffix != ".py":
-        return [(text.count("\n", 0, c.start()) + 1, c[0]) for c in re.finditer(r"/\*.*?\*/", text, re.DOTALL)]
-    found = [
-        (text.count("\n", 0, token.start()) + 1, token[0])
-        for token in COMMENT.finditer(text)
-        if token[0].startswith("#")
-    ]
-    for node in statements(tree(path)):
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
-            found.append((node.lineno, node.value.value))
-    return found
+def sources(suffix: str) -> list[Path]:
+    """Return the files of the packages with a suffix; modules of tests have names of files and classes of users."""
+    folders = PACKAGES if suffix == ".py" else (*PACKAGES, "tests")
+    return [ROOT / name for name in project_files() if name.endswith(suffix) and name.startswith(folders)]
 
 
 @cache
@@ -80,49 +47,20 @@ def identifiers() -> frozenset[str]:
         path = ROOT / name
         if path in (Path(__file__), ROOT / "tests/left_out.toml"):  # with names that do not exist
             continue
-        if name.endswith(".py"):
-            for token in TOKEN.finditer(path.read_text(encoding="utf-8")):
-                if not token[0].startswith(("#", '"""', 'r"""')):
-                    words.update(re.findall(r"\w+", token[0]))
-        elif name.endswith((".c", ".h", ".toml", ".mo", ".js", ".jinja")):
-            words.update(re.findall(r"\w+", path.read_text(encoding="utf-8")))
+        if name.endswith((".py", ".c", ".h", ".toml", ".mo", ".js", ".jinja")):
+            text = path.read_text(encoding="utf-8")
+            words.update(re.findall(r"\w+", PROSE.sub(" ", text) if name.endswith(".py") else text))
     return frozenset(words)
 
 
-def members(path: Path, names: list[str]) -> bool:
-    """Return whether a module has the first name at top level, and each class the next name."""
-    body: list[ast.stmt] = tree(path).body
-    for name in names:
-        found = [node for node in body if name in defined(node)]
-        if not found:
-            return False
-        body = found[0].body if isinstance(found[0], ast.ClassDef) else []
-        if not isinstance(found[0], ast.ClassDef):
-            return name == names[-1]
-    return True
-
-
-def defined(node: ast.stmt) -> set[str]:
-    if isinstance(node, ast.ClassDef | ast.FunctionDef):
-        return {node.name}
-    if isinstance(node, ast.Import | ast.ImportFrom):
-        return {alias.asname or alias.name for alias in node.names}
-    targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
-    return {target.id for target in targets if isinstance(target, ast.Name)}
-
-
+@cache
 def exists(dotted: str) -> bool:
     """Return whether a module, class or attribute `railgrip.a.b.C` exists."""
-    first, *rest = dotted.split(".")[1:]
-    if dotted in ENTRY_POINTS or (not rest and members(ROOT / "harness" / "api.py", [first])):
-        return True
-    place = ROOT / first if first in PACKAGES[1:-2] else ROOT / "harness" / first
-    while rest and (place / rest[0]).is_dir():
-        place /= rest.pop(0)
-    if rest and (place / f"{rest[0]}.py").is_file():
-        return members(place / f"{rest[0]}.py", rest[1:])
-    file = place.with_suffix(".py") if place.with_suffix(".py").is_file() else place / "__init__.py"
-    return file.is_file() and members(file, rest)
+    try:
+        resolve_name(dotted)
+    except (ImportError, AttributeError):
+        return dotted in ENTRY_POINTS
+    return True
 
 
 def modelica_exists(name: str) -> bool:
@@ -142,15 +80,21 @@ def modelica_exists(name: str) -> bool:
 def classes() -> dict[str, set[str]]:
     """Return the classes of the sources with all names in their bodies; classes of equal name are merged."""
     found: dict[str, set[str]] = {}
-    for path in sources():
-        for node in statements(tree(path)):
+    for path in sources(".py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ClassDef):
-                inner = {each.name for each in node.body if isinstance(each, ast.FunctionDef)}
-                inner |= {name for each in node.body for name in defined(each)}
+                inner = {each.name for each in node.body if isinstance(each, ast.FunctionDef | ast.ClassDef)}
                 inner |= {
                     each.attr
                     for each in ast.walk(node)
                     if isinstance(each, ast.Attribute) and isinstance(each.value, ast.Name) and each.value.id == "self"
+                }
+                inner |= {
+                    each.id
+                    for line in node.body
+                    if isinstance(line, ast.Assign | ast.AnnAssign)
+                    for each in ast.walk(line)
+                    if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
                 }
                 if node.bases:
                     inner.add("*")
@@ -178,13 +122,13 @@ def missing(text: str) -> list[str]:
     return wrong
 
 
-def test_references_in_docstrings_and_comments_exist():
-    in_c = [ROOT / name for name in project_files() if name.endswith((".c", ".h")) and name.startswith(PACKAGES)]
+def test_references_in_the_sources_exist():
+    """In docstrings and comments, and in code and messages as well."""
     wrong = [
-        f"{path.relative_to(ROOT)}:{line}: {name}"
-        for path in (*sources(), *in_c)
-        for line, text in prose(path)
-        for name in missing(text)
+        f"{path.relative_to(ROOT)}: {name}"
+        for suffix in (".py", ".c", ".h")
+        for path in sources(suffix)
+        for name in missing(path.read_text(encoding="utf-8"))
     ]
     assert not wrong, "\n".join(wrong)
 
