@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sampling import FUZZ
-from scipy.stats import binom, chi2
-from test_estimate_from_a_stop import RECORDED
+from filterpy.kalman import KalmanFilter
+from test_estimate_from_a_stop import assert_equal_to_the_loop, squares_of
+from test_specification import written
 from typer.testing import CliRunner
 
 import railgrip as rg
@@ -15,11 +15,9 @@ import railgrip.scenario
 from railgrip import cli
 from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.cli.app import app
-from railgrip.estimation.models import of_class, of_train, units_of
-from railgrip.estimation.run import estimate
-from railgrip.estimation.sources import complete_trace, require_consistent
-from railgrip.estimation.spec import load_specification, model_parameters, settings_for
-from railgrip.estimators.belief import advance
+from railgrip.estimation.models import of_train
+from railgrip.estimation.sources import require_consistent
+from railgrip.estimation.spec import load_specification, model_parameters
 from railgrip.estimators.design import NOISE_SETS
 from railgrip.recording.samples import recording_of
 from railgrip.rolling_stock.modelica import nominal_data
@@ -32,13 +30,6 @@ from railgrip.trace.measures import SLOWEST
 from railgrip.trace.recorder import write_trace
 
 TEMPLATE = Path(cli.__file__).parent / "templates" / "train.toml"
-IDEAL = NOISE_SETS["train_ideal"]
-
-
-def squares(noise):
-    """Return a noise set as changes of an estimation."""
-    of_process = {f"noise.process.{name}": deviation**2 for name, deviation in noise.process.items()}
-    return of_process | {f"noise.readings.{name}": deviation**2 for name, deviation in noise.readings.items()}
 
 
 TRAM = Path(railgrip.scenario.__file__).parent / "trains" / "tram.toml"
@@ -55,18 +46,6 @@ def trace_of_tram(estimator, changes, folder=Path(), **tables):
 def trace():
     """The first 2.5 s with ideal sensors, and adhesion that falls after the first second."""
     return trace_of_tram("fmu", ["limits.horizon=2.5 s", "adhesion.first_fall=1 s", "periods.trace=1 ms"])
-
-
-def test_a_class_of_the_library_has_the_estimates_of_its_prediction():
-    """Bit-identical: the model of an estimation only selects the prediction."""
-    stop = rg.run(rg.Scenario.load("trapezoid", {"limits.horizon": "500 ms", "periods.trace": "1 ms"}))
-    specification = load_specification(Path("stop"))
-    recording = complete_trace(specification, stop.trace)
-    settings = settings_for(specification, recording.attrs["period"])
-    prediction = of_class("TrainPrediction").prediction({})
-    direct = estimate(recording, prediction, settings, units=units_of("TrainPrediction"))
-    found = rg.estimate(stop.trace, "stop")
-    assert all(found[name].values.tobytes() == direct[name].values.tobytes() for name in direct.data_vars)
 
 
 @pytest.mark.parametrize("train", ["vt642", "tram"])
@@ -91,84 +70,13 @@ def test_the_estimates_of_a_train_file_equal_those_of_the_loop(mine):
     """The same prediction, noises, gate and start give the same bits, in the loop of the stop and from its trace."""
     short = ["limits.horizon=2.5 s", "adhesion.first_fall=1 s", "periods.trace=1 ms"]
     trace = trace_of_tram("fmu", short, mine.parent, vehicle={"train": mine.name})
-    changes = squares(IDEAL) | {
+    changes = squares_of(NOISE_SETS["train_ideal"]) | {
         "model.train": str(mine),
         "model.class": "ConsistPrediction",
         "between": "held",
     }
     changes |= {"outlier_limit": 1e6}  # the filter in the loop uses every reading
-    found = rg.estimate(trace, "train", changes)["mean"]
-    for state, name in RECORDED.items():
-        loop = trace[f"estimate_{name}"].values.reshape(len(trace["time"]), -1)
-        names = [each for each in found["state"].values if str(each).partition("[")[0] == state]
-        np.testing.assert_array_equal(found.sel(state=names).values, loop)
-    assert np.ptp(trace["estimate_adhesion"].values) > 0.05
-
-
-RUNS, STEPS, PERIOD, CONFIDENCE = 100 if FUZZ else 50, 100, 0.01, 0.999
-
-
-def drawn(specification, mean, pressure, seed):
-    """Return a recording of the prediction with its noises as truth, and its final states."""
-    prediction = specification.model.prediction.equations({})
-    settings = settings_for(specification, PERIOD)
-    random = np.random.default_rng(seed)
-
-    def deviations(variances, names):
-        return np.sqrt([variances[name.partition("[")[0]] for name in names])
-
-    process = deviations(settings.process, prediction.states) * np.sqrt(PERIOD)
-    noise = deviations(settings.readings, prediction.outputs)
-    start = [settings.start_deviation[name.partition("[")[0]] for name in prediction.states]
-    state = mean + start * random.standard_normal(len(mean))
-    inputs = np.append(np.full(len(prediction.inputs) - 1, pressure), 0.0)
-    readings = np.full((STEPS + 1, len(noise)), np.nan)
-    for k in range(1, STEPS + 1):
-        state = advance(lambda x: prediction.derivative(x, inputs), state, PERIOD)
-        state = state + process * random.standard_normal(len(mean))
-        readings[k] = prediction.output(state, inputs) + noise * random.standard_normal(len(noise))
-    units = units_of(specification.model.prediction.model)
-    columns = {name: (readings[:, i], units[name]) for i, name in enumerate(prediction.outputs)}
-    columns |= {name: (np.full(STEPS + 1, inputs[i]), units[name]) for i, name in enumerate(prediction.inputs)}
-    return recording_of(columns, period=PERIOD), state
-
-
-def test_intervals_of_another_train_hold_where_its_prediction_is_true():
-    """Coverage of independent runs is binomial, and the sum of their squared errors of a state is chi-squared.
-
-    A bound of 99.9 % of either distribution fails in less than one of 100 sets of seeds.
-    """
-    specification = load_specification(Path("train"), {"model.train": "tram", "between": "held"})
-    states = specification.model.prediction.equations({}).states
-    typical = {
-        "speed": 20.0,
-        "wheelset_speed": 20.0 / specification.model.prediction.values({})["r_wheel[1]"],
-        "pad_friction": 0.35,
-    }
-    mean = np.array([typical.get(name.partition("[")[0], 0.0) for name in states])
-    changes = {f"start.mean.{name}": value for name, value in typical.items()}
-    specification = load_specification(
-        Path("train"), changes | {"start.mean.alpha": 0.1, "model.train": "tram", "between": "held"}
-    )
-    mean[[name.startswith("group_adhesion") for name in states]] = 0.1
-    scores = np.empty((RUNS, len(states)))
-    for run in range(RUNS):
-        recording, truth = drawn(specification, mean, 1.5e5, run)
-        found = rg_estimate(recording, specification)
-        last = found.isel(time=-1)
-        scores[run] = (last["mean"].values - truth) / last["sd"].values
-    low, high = binom.interval(CONFIDENCE, RUNS, 0.95)
-    smallest, largest = chi2.interval(CONFIDENCE, RUNS)
-    for name in ("group_adhesion[1]", "group_adhesion[4]", "pad_friction[2]", "speed", "d"):
-        score = scores[:, states.index(name)]
-        assert low <= np.sum(np.abs(score) < 1.96) <= high, name
-        assert smallest <= np.sum(score**2) <= largest, name
-
-
-def rg_estimate(recording, specification):
-    model = specification.model.prediction
-    prediction = model.prediction({}, kind="compiled")
-    return estimate(recording, prediction, settings_for(specification, PERIOD), units=units_of(model.model))
+    assert_equal_to_the_loop(rg.estimate(trace, "train", changes), trace)
 
 
 WHITE = {"speed": "0.1 m/s", "wheelset_speed": "0.1 rad/s", "acceleration": "0.05 m/s**2", "deflection": "0.2 mm"}
@@ -229,17 +137,16 @@ def test_a_linear_class_of_a_user_has_the_estimates_of_the_kalman_filter(tmp_pat
     force, reading = random.standard_normal(count), random.standard_normal(count)
     recording = recording_of({"force": (force, "N"), "speed": (reading, "m/s")}, period=period)
     found = rg.estimate(recording, tmp_path / "cart.toml", {"model.parameters.m": "4 kg", "model.kind": kind})
-    mean, covariance = np.zeros(2), np.diag([1.0, 4.0])
-    phi, row, noise = np.array([[1.0, period], [0.0, 1.0]]), np.array([1.0, 0.0]), 0.04
+    reference = KalmanFilter(dim_x=2, dim_z=1, dim_u=1)
+    reference.F, reference.B = np.array([[1.0, period], [0.0, 1.0]]), np.array([[period / 4.0], [0.0]])
+    reference.H, reference.Q, reference.R = np.array([[1.0, 0.0]]), period * np.diag([0.01, 0.1]), np.array([[0.04]])
+    reference.x, reference.P = np.zeros(2), np.diag([1.0, 4.0])
     for k in range(1, count):
-        mean = phi @ mean + np.array([period * force[k - 1] / 4.0, 0.0])
-        covariance = phi @ covariance @ phi.T + period * np.diag([0.01, 0.1])
-        gain = covariance @ row / (row @ covariance @ row + noise)
-        mean = mean + gain * (reading[k] - mean[0])
-        covariance = covariance - np.outer(gain, row @ covariance)
+        reference.predict(u=force[k - 1 : k])
+        reference.update(reading[k])
         state = found.isel(time=k).sel(state=["speed", "d"])
-        np.testing.assert_allclose(state["mean"].values, mean, rtol=1e-10, atol=1e-12)
-        np.testing.assert_allclose(state["sd"].values, np.sqrt(np.diagonal(covariance)), rtol=1e-10)
+        np.testing.assert_allclose(state["mean"].values, reference.x, rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(state["sd"].values, np.sqrt(np.diagonal(reference.P)), rtol=1e-10)
     rows = {each["name"]: each["origin"] for each in json.loads(found.attrs["parameters"])}
     assert rows == {"m": "--set"}
 
@@ -352,13 +259,8 @@ def test_columns_that_do_not_match_the_train_are_refused_together(tmp_path):
     ],
 )
 def test_an_invalid_model_is_refused(tmp_path, changes, sentence):
-    file = tmp_path / "mine.toml"
-    file.write_text(load_text("train"), encoding="utf-8")
+    file = Path("train")
     if "model" in changes:
-        file.write_text(load_text("train").replace('train = "vt642"\nclass = "ConsistPredictionDisturbed"\n', ""))
+        file = written(tmp_path, "train", model=('train = "vt642"\nclass = "ConsistPredictionDisturbed"\n', ""))
     with pytest.raises((ScenarioError, EstimationError), match=sentence):
         require_consistent(load_specification(file, changes))
-
-
-def load_text(name):
-    return (Path("harness/estimation/library") / f"{name}.toml").read_text(encoding="utf-8")

@@ -47,18 +47,6 @@ def test_the_result_has_value_unit_and_origin_of_all_parameters(command, tmp_pat
     assert "15 of 17 parameters are library defaults" in result.output
 
 
-def test_estimate_prints_only_json_on_standard_output(command):
-    result = CliRunner().invoke(app, [*command, "--json"])
-    assert result.exit_code == 0, result.output
-    value = json.loads(result.stdout)
-    assert [each["name"] for each in value["parameters"] if not each["is_default"]] == ["m", "c_drag"]
-    (pad,) = [each for each in value["states"] if each["state"] == "pad_friction[1]"]
-    assert pad["mean"] == pytest.approx(0.35, abs=0.03)  # the friction of the recording
-    assert pad["unit"] == "1"
-    assert (value["warnings"], value["problems"]) == ([], [])
-    assert [Path(file).exists() for file in value["files"]] == [True, True]
-
-
 def test_inspect_prints_only_json_on_standard_output(command, tmp_path):
     result = CliRunner().invoke(app, ["inspect", str(tmp_path / "run.csv"), "--for", "wagon", "--json"])
     assert result.exit_code == 0, result.output

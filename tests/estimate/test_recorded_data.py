@@ -293,25 +293,6 @@ def test_constant_stretches_are_measured_in_seconds():
     assert np.flatnonzero(find_repeats(time, values, 0.25)).tolist() == [1, 2, 3, 4]
 
 
-def test_offset_and_factor_turn_absolute_into_gauge_pressure(tmp_path):
-    frame = stop()
-    result = recording_from(
-        csv(tmp_path, frame), columns={"pad_force": {"column": "F", "unit": "kN", "factor": -1.0, "offset": 1.0}}
-    )
-    np.testing.assert_allclose(reading_of(result.recording, "pad_force"), 1e3 - 1e3 * frame["F"].to_numpy(), atol=1e-9)
-
-
-def test_a_factor_with_a_unit_turns_a_pressure_into_a_force(tmp_path):
-    """8 kN for each bar, less 0.5 kN; the unit of the column may also be part of its name."""
-    for column in ("p", "p [bar]", "p_bar"):
-        frame = stop().assign(**{column: np.linspace(0.0, 3.8, 1000)})
-        given_unit = {"unit": "bar"} if column == "p" else {}
-        force = {"column": column, "factor": "8 kN/bar", "offset": -0.5} | given_unit
-        result = recording_from(csv(tmp_path, frame), columns={"pad_force": force})
-        expected = 8e3 * frame[column] - 500.0
-        np.testing.assert_allclose(reading_of(result.recording, "pad_force"), expected, rtol=1e-12, atol=1e-9)
-
-
 def test_the_recipe_of_the_documentation_yields_no_negative_force(tmp_path):
     """A piston moves its pads once it overcomes its spring: below 0.5 bar the force is zero."""
     page = Path(__file__).parents[2] / "docs" / "how_to" / "recorded_data.md"
@@ -329,15 +310,16 @@ FACTORS = [
     ("bar", "kN/bar", "N"), ("kPa", "cm**2", "N"), ("mbar", "kN/Pa", "N"), ("A", "N*m/A", "N*m"), ("mm", "kN/mm", "N"),
     ("km/h", "1/m", "1/s"), ("rpm", "m/rad", "m/s"), ("1", "km/h", "m/s"), ("t", "m/s**2", "N"),
     ("V", "percent/V", "1"), ("bar", "percent", "Pa"), ("K", "kJ/(kg*K)", "m**2/s**2"),
+    ("bar", "", "Pa"),
 ]  # fmt: skip
-"""Units of column, factor and signal."""
+"""Units of column, factor, if it has one, and signal."""
 NUMBERS = st.floats(-1e6, 1e6).map(lambda number: round(number, 6))  # no product underflows
 
 
 @given(st.sampled_from(FACTORS), NUMBERS, NUMBERS, NUMBERS)
 def test_column_times_factor_plus_offset_equals_the_result_of_pint(units, reading, number, offset):
     column, factor, target = units
-    entry = {"column": "x", "factor": f"{number!r} {factor}", "offset": offset}
+    entry = {"column": "x", "factor": f"{number!r} {factor}" if factor else number, "offset": offset}
     gain, shift = Column(**entry).conversion(unit(column), target)
     product = PINT.Quantity(reading, column) * PINT.Quantity(number, factor)
     size = PINT.Quantity(abs(product.magnitude) + abs(offset), product.units).to(target).magnitude

@@ -302,11 +302,3 @@ def test_the_release_is_beyond_the_peak_and_the_wheelset_returns_over_it(slide):
     # The curve has 60 points between 0.1 and 50 %; the friction of a row holds until the next one.
     curve = slide[slide["part"] == "curve"]
     assert np.interp(released.slip, curve["slip"], curve["adhesion"]) == pytest.approx(released.adhesion, rel=0.01)
-
-
-def test_figures_have_axes_with_units_and_marks_of_the_text(slide):
-    (panel,) = rig_tests.qualitative_figure(slide).axes
-    assert (panel.get_xlabel(), panel.get_ylabel()) == ("slip [%]", "adhesion")
-    assert [text.get_text() for text in panel.texts] == ["1", "2", "3"]
-    forces = {text.get_text() for text in rig_tests.wagon_figure().axes[0].texts}
-    assert {"$F_{x,f}$", "$F_{z,r}$", "$m g$", "$v_x$", "$h$", "$a$"} <= forces

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from filterpy.kalman import KalmanFilter
 from scipy.linalg import expm
 
 from railgrip.base.errors import EstimationError, EstimatorError
@@ -61,22 +62,19 @@ def test_without_drag_the_filter_is_the_kalman_filter_with_q_and_r_as_printed(un
     A[0] = 0.0, 0.0, -2 * 0.25 * force / 130, 0.46 * 98.1e3 / 130
     A[1] = 0.0, 0.0, 0.0, -98.1e3 / 20e3
     resistance = 0.0004 / 0.46 + 1 / np.sqrt((0.46 / (0.0018 * 0.065)) ** 2 * (1 + 0.0018**2) - 1)
-    drift = np.array([-0.46 * 98.1e3 / 130 * resistance, 0, 0, 0]) * PERIOD
-    phi, H = expm(A * PERIOD), np.eye(2, 4)
-    Q, R = np.diag(list(EQUATION_20.values())), np.diag(list(READINGS_20.values()))
     y = np.stack([recording["reading_wheelset_speed"].values, recording["reading_speed"].values], axis=1)
-    mean, P = np.array([*y[0], 0.35, 0.0]), np.diag([0.3, 0.1, 0.04, 0.02]) ** 2
+    reference = KalmanFilter(dim_x=4, dim_z=2, dim_u=1)
+    reference.F, reference.H = expm(A * PERIOD), np.eye(2, 4)
+    reference.B = np.array([[-0.46 * 98.1e3 / 130 * resistance * PERIOD], [0.0], [0.0], [0.0]])
+    reference.Q, reference.R = np.diag(list(EQUATION_20.values())), np.diag(list(READINGS_20.values()))
+    reference.x, reference.P = np.array([*y[0], 0.35, 0.0]), np.diag([0.3, 0.1, 0.04, 0.02]) ** 2
     for k in range(1, len(y)):
-        mean, P = phi @ mean + drift, phi @ P @ phi.T + Q
-        residual = y[k] - H @ mean
-        assert estimates["innovation"].values[k] == pytest.approx(residual, abs=1e-9)
-        gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
-        mean = mean + gain @ residual
-        remainder = np.eye(4) - gain @ H
-        P = remainder @ P @ remainder.T + gain @ R @ gain.T
+        reference.predict(u=np.ones(1))
+        reference.update(y[k])
+        assert estimates["innovation"].values[k] == pytest.approx(reference.y, abs=1e-9)
         # R is ten orders of magnitude below Q, so the update cancels nine of sixteen digits.
-        assert estimates["mean"].values[k] == pytest.approx(mean, rel=1e-6, abs=1e-7)
-        assert estimates["sd"].values[k] == pytest.approx(np.sqrt(np.diag(P)), rel=5e-6, abs=1e-12)
+        assert estimates["mean"].values[k] == pytest.approx(reference.x, rel=1e-6, abs=1e-7)
+        assert estimates["sd"].values[k] == pytest.approx(np.sqrt(np.diag(reference.P)), rel=5e-6, abs=1e-12)
 
 
 def test_a_filter_with_true_noises_is_consistent(undragged):

@@ -11,7 +11,6 @@ from railgrip.estimation.run import by_name
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import (
     LIBRARY,
-    equations_for,
     load_specification,
     prediction_for,
     settings_for,
@@ -50,16 +49,6 @@ def test_noise_per_step_does_not_depend_on_the_period():
     paper = load_specification(LIBRARY / "rig_paper.toml")
     for period in (1e-3, 2e-2):
         assert settings_for(paper, period).process["wheelset_speed"] * period == pytest.approx(10.0, rel=1e-15)
-
-
-def test_units_are_converted_and_checked(tmp_path):
-    path = written(
-        tmp_path,
-        p=('class = "RollerRigPrediction"', 'class = "RollerRigPrediction"\nparameters = { load = "98.1 kN" }'),
-    )
-    specification = load_specification(path)
-    assert 98.1e3 in equations_for(specification).parameters
-    assert settings_for(specification, 0.01).gate.threshold == 1500.0
 
 
 def test_a_missing_source_is_refused():

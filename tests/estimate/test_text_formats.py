@@ -4,6 +4,7 @@ import csv
 import io
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -69,16 +70,10 @@ def _header(draw: st.DrawFn, name: str, symbol: str) -> str:
     return draw(st.sampled_from(NOTATIONS)).format(name=name, unit=symbol, suffix=SUFFIXES.get(symbol, symbol))
 
 
-def table(headers: dict[str, str]) -> DataTable:
-    written = {
-        "time": {"column": headers["time"]},
-        "period": PERIOD,
-        "longest_gap": 0.1,
-        "frozen": 1e3,
-        "spike": 1e6,  # the ramps are not sensors, and their rounding is not noise
-        "columns": {name: {"column": headers[name]} for name in SIGNALS},
-    }
-    return validate_table(DataTable, written, directory=Path(), origin="run.toml")
+def table(columns: dict[str, Any], **changes: Any) -> DataTable:
+    """Return a map of columns, without limits of faults: ramps are not sensors, and their rounding is not noise."""
+    written = {"time": {"column": "t"}, "period": PERIOD, "longest_gap": 0.1, "frozen": 1e3, "spike": 1e6} | changes
+    return validate_table(DataTable, written | {"columns": columns}, directory=Path(), origin="run.toml")
 
 
 @given(files())
@@ -87,7 +82,8 @@ def test_a_file_of_any_format_reads_back_to_the_same_values(tmp_path_factory, fi
     path = tmp_path_factory.mktemp("format") / "run.csv"
     path.write_bytes(content)
     units = {name: target for name, (target, _) in SIGNALS.items()}
-    recording = read_recording(path, table(headers), units, [], list(SIGNALS)).recording
+    of_file = table({name: {"column": headers[name]} for name in SIGNALS}, time={"column": headers["time"]})
+    recording = read_recording(path, of_file, units, [], list(SIGNALS)).recording
     assert recording.sizes["time"] == SAMPLES
     for name, expected in values.items():
         # Instants and units are rounded once each: 1e-9 of the largest value.
@@ -150,14 +146,11 @@ def test_the_key_decimal_determines_the_meaning_of_a_comma(tmp_path):
     """The value is 50 with a decimal comma; with a decimal point the text is refused, never read as another number."""
     path = tmp_path / "run.csv"
     path.write_text("t;F\n0;50,000\n1;48,500\n", encoding="utf-8")
-    table = {"time": {"column": "t", "unit": "s"}, "period": 1.0, "longest_gap": 1.5, "frozen": 9.0, "spike": 9.0}
-    table["columns"] = {"pad_force": {"column": "F", "unit": "kN"}}
-    arguments = {"pad_force": "N"}, ["pad_force"], []
+    changes = {"time": {"column": "t", "unit": "s"}, "period": 1.0, "longest_gap": 1.5}
 
     def read(decimal):
-        return read_recording(
-            path, validate_table(DataTable, table | decimal, directory=tmp_path, origin="run.toml"), *arguments
-        )
+        of_file = table({"pad_force": {"column": "F", "unit": "kN"}}, **changes, **decimal)
+        return read_recording(path, of_file, {"pad_force": "N"}, ["pad_force"], [])
 
     assert reading_of(read({"decimal": ","}).recording, "pad_force").tolist() == [50e3, 48.5e3]
     for decimal in ({}, {"decimal": "."}):
@@ -178,15 +171,9 @@ def test_tables_of_a_scenario_refuse_thousands_separators(tmp_path):
             read_curve(path)
 
 
-UNIT_ROWS = [
-    "s;km/h;rev/min;kN",
-    "[s];[km/h];[rpm];[kN]",
-    "(s);kmh;U/min;kN",
-    "s;km/h;rev/min;kN;-",
-]
-
-
-@pytest.mark.parametrize("row", UNIT_ROWS)
+@pytest.mark.parametrize(
+    "row", ["s;km/h;rev/min;kN", "[s];[km/h];[rpm];[kN]", "(s);kmh;U/min;kN", "s;km/h;rev/min;kN;-"]
+)
 @pytest.mark.parametrize("decimal", [".", ","])
 def test_a_second_header_line_contains_the_units(tmp_path, row, decimal):
     path, names = tmp_path / "run.csv", "t;v;n;F"
@@ -194,27 +181,16 @@ def test_a_second_header_line_contains_the_units(tmp_path, row, decimal):
     if row.endswith("-"):
         names, numbers = f"{names};remark", [f"{line};ok" for line in numbers]
     path.write_text("\n".join([names, row, *numbers]), encoding="utf-8")
-    columns = {"speed": "v", "wheelset_speed": "n", "pad_force": "F"}
-    written = {
-        "time": {"column": "t"}, "period": PERIOD, "longest_gap": 0.1, "frozen": 9.0, "spike": 9.0,
-        "columns": {name: {"column": column, "may_rest": True} for name, column in columns.items()},
-    }  # fmt: skip
+    columns = {"speed": {"column": "v"}, "wheelset_speed": {"column": "n"}, "pad_force": {"column": "F"}}
     units = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N"}
-    table_of_file = validate_table(DataTable, written, directory=Path(), origin="run.toml")
-    recording = read_recording(path, table_of_file, units, ["pad_force"], ["speed", "wheelset_speed"]).recording
-    assert reading_of(recording, "speed")[0] == pytest.approx(20.0)
-    assert reading_of(recording, "wheelset_speed")[0] == pytest.approx(10 * np.pi)
-    assert reading_of(recording, "pad_force")[0] == pytest.approx(12.5e3)
+    arguments = units, ["pad_force"], ["speed", "wheelset_speed"]
+    recording = read_recording(path, table(columns), *arguments).recording
+    for name, first in (("speed", 20.0), ("wheelset_speed", 10 * np.pi), ("pad_force", 12.5e3)):
+        assert reading_of(recording, name)[0] == pytest.approx(first)
     assert not inspect_recording(path, Path("rig_own")).unrecognised
-    written["columns"]["speed"]["unit"] = "m/s"
+    columns["speed"]["unit"] = "m/s"
     with pytest.raises(EstimationError, match="its unit in the file is 'km/h', in the map 'm/s'"):
-        read_recording(
-            path,
-            validate_table(DataTable, written, directory=Path(), origin="run.toml"),
-            units,
-            ["pad_force"],
-            list(units),
-        )
+        read_recording(path, table(columns), *arguments)
 
 
 @pytest.mark.parametrize("row", ["0;1", "1;1", "start;stop", "0;s"])

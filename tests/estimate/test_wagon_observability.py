@@ -45,15 +45,6 @@ def test_the_closed_form_inverts_readings_and_rates(variant):
     assert inverse(z, u, variant) == pytest.approx(X, rel=1e-12)
 
 
-def test_the_printed_factor_is_half_the_force_balance():
-    """(1), (2) and (4) of the paper give a force of mu m g; (5) has half of it."""
-    u = np.array([0.0, 0.0, 0.0, 0.0, 0.0])
-    decelerations = [
-        of_class("WagonPrediction").equations(v | {"A_drag": 0.0}).derivative(X, u)[2] for v in (CORRECTED, PRINTED)
-    ]
-    assert decelerations == pytest.approx([-0.07 * G, -0.07 * G / 2], rel=1e-12)
-
-
 @pytest.mark.parametrize("variant", [CORRECTED, PRINTED], ids=["corrected", "printed"])
 @pytest.mark.parametrize(
     ("forces", "lost"),

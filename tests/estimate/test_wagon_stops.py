@@ -9,9 +9,8 @@ from railgrip.estimation.judgement import judge
 from railgrip.estimation.models import of_class, units_of
 from railgrip.estimation.run import estimate
 from railgrip.estimation.sources import recording_of_stop
-from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification, settings_for
+from railgrip.estimation.spec import LIBRARY, load_specification, settings_for
 from railgrip.recording.samples import reading_of, truth_of
-from railgrip.report.figures import estimates_figure
 
 PRINTED = {"adhesion_share": 0.5, "resistance_transfer": 1.0, "adhesion_transfer": 0.0}
 
@@ -92,13 +91,6 @@ def test_the_printed_factor_biases_pad_friction(stop):
         baseline_error = np.sqrt(np.mean((truth_of(stop, pads)[braking] - 0.35) ** 2))
         assert judge(stop, estimates_for(stop), pads, braking).rmse < 0.8 * baseline_error
     assert judge(stop, estimates_for(stop, **PRINTED), "mu_b[1]", braking).bias > 0.3
-
-
-def test_the_title_of_the_figure_names_the_variant_and_the_recording(stop):
-    specification = load_specification(LIBRARY / "wagon.toml", ["name=wagon-relaxing"])
-    part = stop.isel(time=slice(0, 50))
-    title = estimates_figure(part, estimate_of(specification, part), ["pad_force[1]"]).get_suptitle()
-    assert title.startswith("wagon-relaxing of wagon_stop: ")
 
 
 def test_a_common_adhesion_of_unequally_braked_wheelsets_biases_their_pads():
