@@ -98,6 +98,42 @@ def runge_kutta(slope: ca.Function, x: ca.SX, u: ca.SX, period: float, steps: in
     return x
 
 
+def draws(
+    ahead: ca.Function,
+    output: ca.Function,
+    start: tuple[np.ndarray, np.ndarray],
+    noises: tuple[np.ndarray, np.ndarray],
+    held: np.ndarray,
+    frozen: int,
+    random: np.random.Generator,
+    runs: int,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return states (k, runs, n) and readings (k, runs, m) of motions that are drawn from a stochastic model.
+
+    Args:
+        ahead: States after a period, from states and inputs in the columns of matrices.
+        output: Readings, likewise.
+        start: Mean and variances of the initial states.
+        noises: Variances that a period adds to the states, and variances of the readings.
+        held: Inputs of each period.
+        frozen: State without noise while the second input is 0.
+        random: Generator of all draws.
+        runs: Number of motions.
+    """
+    process, reading, initial = (np.sqrt(each)[:, np.newaxis] for each in (*noises, start[1]))
+    now = start[0][:, np.newaxis] + initial * random.standard_normal((len(initial), runs))
+    states, readings = [], []
+    for inputs in held:
+        noise = process * random.standard_normal(now.shape)
+        if inputs[1] == 0.0:
+            noise[frozen] = 0.0
+        each = np.tile(inputs[:, np.newaxis], (1, runs))
+        now = np.asarray(ahead(now, each)) + noise
+        states.append(now.T)
+        readings.append((np.asarray(output(now, each)) + reading * random.standard_normal((len(reading), runs))).T)
+    return np.array(states), np.array(readings)
+
+
 OSCILLATOR = {"k": 2.4e6, "c": 2.4e4, "m_1": 1750.0, "m_2": 1500.0}
 """Two masses on the primary suspension: modes as fast as a train prediction has them."""
 

@@ -7,13 +7,14 @@ of its noises, on trains with and without suspension, pressures held or one grou
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import pytest
 from nees import chi_square_bounds, nees
 from sampling import sample
-from small_models import TYPICAL, runge_kutta
+from small_models import draws, runge_kutta
 
 from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import GaussianEstimate
@@ -22,25 +23,14 @@ from railgrip.estimators.design import NOISE_SETS, Gate
 from railgrip.estimators.filters.decentralised import Consist, DecentralisedFilter, Part, part_equations
 from railgrip.estimators.prediction import CasadiPrediction, with_state_names
 from railgrip.fmus.native import lower
+from railgrip.rolling_stock.modelica import nominal_data
+from railgrip.rolling_stock.schema import load_train
 from railgrip.simulate.train_prediction import CentralPrediction, central_of, consist_of, start_of
 from railgrip.vehicle.formation import Formation
 
 PERIOD, RUNS, STEPS = 1e-3, 40, 400
 INSTANTS = (20, 100, 250, 400)
 RELEASED = slice(100, 250)
-
-TWO_PART = Formation((2, 1, 1, 2))
-TWO_PART_DATA = {
-    **{f"m_wheelset[{i + 1}]": m for i, m in enumerate((13400, 14100, 14500, 14500, 14100, 13400))},
-    **{f"m_unsprung[{i + 1}]": m for i, m in enumerate((1500, 1500, 1300, 1300, 1500, 1500))},
-    **{f"J[{g + 1}]": inertia for g, inertia in enumerate((222, 209, 209, 222))},
-    **{f"n_units[{g + 1}]": units for g, units in enumerate((3, 2, 2, 3))},
-    **{f"r_friction[{g + 1}]": radius for g, radius in enumerate((0.235, 0.22, 0.22, 0.235))},
-    **{f"m_frame[{b + 1}]": m for b, m in enumerate((3500, 2800, 3500))},
-    **{f"I_frame[{b + 1}]": inertia for b, inertia in enumerate((2200, 2300, 2200))},
-    **{f"wheelbase[{b + 1}]": length for b, length in enumerate((1.9, 2.65, 1.9))},
-    "r_wheel": 0.38,
-}
 
 
 def rigid(groups: int) -> tuple[Formation, dict[str, float]]:
@@ -52,7 +42,7 @@ def rigid(groups: int) -> tuple[Formation, dict[str, float]]:
 FRAMES = {"m_frame": 3500.0, "I_frame": 2200.0, "wheelbase": 2.0}
 BOGIES = {f"wheelsets_per_bogie[{b + 1}]": 2.0 for b in range(4)}
 TRAINS = {
-    "two-part": (TWO_PART, TWO_PART_DATA),
+    "two-part": (Formation((2, 1, 1, 2)), nominal_data(load_train(Path("vt642")))),
     "eight wheelsets": rigid(8),
     "two cars": (rigid(8)[0], rigid(8)[1] | BOGIES | FRAMES),
 }
@@ -138,42 +128,13 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
     if released:
         held[RELEASED, 1] = 0.0
     random = np.random.default_rng([list(TRAINS).index(train), sensors == "ideal", released])
-    now = mean[:, np.newaxis] + np.sqrt(variances)[:, np.newaxis] * random.standard_normal((len(states), RUNS))
-    state, seen = np.empty((STEPS, RUNS, len(states))), np.empty((STEPS, RUNS, len(outputs)))
-    for k in range(STEPS):
-        noise = np.sqrt(PERIOD * process)[:, np.newaxis] * random.standard_normal(now.shape)
-        if held[k, 1] == 0.0:
-            noise[pads[1]] = 0.0
-        each = np.tile(held[k][:, np.newaxis], (1, RUNS))
-        now = np.asarray(moved(now, each)) + noise
-        state[k] = now.T
-        error = np.sqrt(reading)[:, np.newaxis] * random.standard_normal((len(outputs), RUNS))
-        seen[k] = (np.asarray(shown(now, each)) + error).T
+    state, seen = draws(moved, shown, (mean, variances), (PERIOD * process, reading), held, pads[1], random, RUNS)
     gate = Gate(
         states=tuple(states[pad] for pad in pads),
         inputs=tuple(f"cylinder_pressure[{g + 1}]" for g in range(formation.groups)),
         threshold=5e4,
     )
     return Case(consist, whole, (process, reading), gate, mean, variances, held, state, seen)
-
-
-@pytest.mark.parametrize("suspension", [True, False])
-def test_the_two_part_train_of_its_data_is_the_prediction_of_the_library(suspension: bool):
-    """The same derivative and readings as Predictions.TrainPrediction, or -Reduced, at random states."""
-    model = with_state_names(lower(f"RailBraking.Predictions.TrainPrediction{'' if suspension else 'Reduced'}"))
-    library = CasadiPrediction(model, {v.name: v.start for v in model.parameters})
-    frames = ("m_frame", "I_frame", "wheelbase")
-    data = {k: v for k, v in TWO_PART_DATA.items() if suspension or k.partition("[")[0] not in frames}
-    whole = central_of(TWO_PART, data)
-    own = CasadiPrediction(whole.model, whole.parameters)
-    assert (own.states, own.inputs, own.outputs) == (library.states, library.inputs, library.outputs)
-    random = np.random.default_rng(0)
-    for _ in range(20):
-        x = np.array([TYPICAL[name.partition("[")[0]] for name in own.states])
-        x *= random.uniform(0.5, 1.5, len(x))
-        u = np.append(random.uniform(0.5e5, 3e5, 4), 1e3)
-        np.testing.assert_allclose(own.derivative(x, u), library.derivative(x, u), rtol=1e-12)
-        np.testing.assert_allclose(own.output(x, u), library.output(x, u), rtol=1e-12)
 
 
 MIXED = {f"wheelsets_per_bogie[{b + 1}]": float(count) for b, count in enumerate((3, 2))}

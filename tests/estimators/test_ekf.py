@@ -1,58 +1,12 @@
 import numpy as np
 import pytest
-from scipy.linalg import expm
-from small_models import DENSITY, FIRST_MEAN, FIRST_VARIANCE, OSCILLATOR, PERIOD, READING, oscillator
+from small_models import DENSITY, FIRST_MEAN, FIRST_VARIANCE, PERIOD, READING
 
 from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import advance, transition
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.design import Gate
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.prediction import CasadiPrediction
-
-
-def textbook_linear_kalman_filter(F, G, H, D, Q, R, mean, covariance, held, seen):
-    """Predict and update as printed in Särkkä (2013), eq. 4.20-4.21, for x+ = Fx + Gu, y = Hx + Du."""
-    mean = F @ mean + G @ held
-    covariance = F @ covariance @ F.T + Q
-    S = H @ covariance @ H.T + R
-    K = covariance @ H.T @ np.linalg.inv(S)
-    return mean + K @ (seen - H @ mean - D @ held), covariance - K @ S @ K.T
-
-
-def test_on_a_linear_model_it_is_the_linear_kalman_filter():
-    prediction = CasadiPrediction(oscillator(), OSCILLATOR)
-    origin, nothing = np.zeros(4), np.zeros(1)
-    A = prediction.derivative_jacobian(origin, nothing)
-    B = prediction.derivative(origin, np.ones(1))[:, np.newaxis]
-    H = prediction.output_jacobian(origin, nothing)
-    D = prediction.output(origin, np.ones(1))[:, np.newaxis]
-    both = expm(PERIOD * np.block([[A, B], [np.zeros((1, 5))]]))  # van Loan: exact with u held
-    F, G = both[:4, :4], both[:4, 4:]
-
-    # In units in which position and velocity of a mode have equal size, the Taylor remainder of a step is |exp(TA) -
-    # Phi| <= |TA|^5/120 exp(|TA|); a stable filter accumulates it over its memory, here < 1000 steps.
-    frequency = np.max(np.abs(np.linalg.eigvals(A)))
-    scale = np.array([1.0, 1.0, frequency, frequency])
-    size = np.linalg.norm(PERIOD * A * scale / scale[:, np.newaxis], 2)
-    bound = 1000.0 * size**5 / 120.0 * np.exp(size)
-    assert bound < 1e-3  # so that the comparison below is meaningful
-
-    density, reading = np.array([0.0, 0.0, 1e-2, 1e-2]), np.array([1e-8, 1e-3])
-    ours = ExtendedKalmanFilter(prediction, density, reading, PERIOD)
-    belief = ours.start(np.array([1e-3, 0.0, 0.1, 0.0]), np.array([1e-6, 1e-6, 1e-2, 1e-2]))
-    mean, covariance = belief.mean, belief.covariance
-    random = np.random.default_rng(1)
-    for _ in range(1000):
-        held, seen = random.normal(0.0, 1e4, 1), random.normal(0.0, [1e-3, 1.0])
-        belief = ours.step(belief, held, seen)
-        mean, covariance = textbook_linear_kalman_filter(
-            F, G, H, D, np.diag(density) * PERIOD, np.diag(reading), mean, covariance, held, seen
-        )
-        # Relative to the size of the states in this run: centimetres, metres per second.
-        assert np.max(np.abs(belief.mean - mean) / np.array([1e-2, 1e-2, 1.0, 1.0])) < bound
-        sd = np.sqrt(np.diag(covariance))
-        assert np.max(np.abs(belief.covariance - covariance) / np.outer(sd, sd)) < bound
 
 
 @pytest.fixture
@@ -69,30 +23,6 @@ def first(ours):
 def gated(rolling):
     gate = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
     return ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD, gate)
-
-
-def test_a_matched_model_without_noise_has_no_error(rolling, ours, first):
-    """Started at the truth and given perfect readings, the filter follows the solution of its model."""
-    belief, truth = first, FIRST_MEAN
-    for k in range(3000):
-        held = np.array([2e4 * (1.0 + np.sin(k / 300.0)), 500.0])
-        truth = advance(lambda x, held=held: rolling.derivative(x, held), truth, PERIOD)
-        belief = ours.step(belief, held, rolling.output(truth, held))
-    # Rounding only: units in the last place of w = 60 rad/s, through gains below 100.
-    assert np.max(np.abs(belief.mean - truth)) < 1e-10
-
-
-def test_perfect_readings_pull_a_wrong_start_to_the_truth(rolling):
-    ours = ExtendedKalmanFilter(rolling, np.full(4, 1e-9), READING * 1e-4, PERIOD)
-    off = np.array([0.1, -0.3, 0.05, 0.03])
-    belief = ours.start(FIRST_MEAN + off, FIRST_VARIANCE)
-    truth = FIRST_MEAN
-    held = np.array([1.5e4, 0.0])
-    for _ in range(3000):
-        truth = advance(lambda x: rolling.derivative(x, held), truth, PERIOD)
-        belief = ours.step(belief, held, rolling.output(truth, held))
-    # The remainder of the initial error is its weight against 3000 readings a thousand times as certain.
-    assert np.all(np.abs(belief.mean - truth) < 1e-3 * np.abs(off))
 
 
 def test_transition_is_the_derivative_of_the_mean_map(rolling):

@@ -422,16 +422,6 @@ def test_uncertainty_of_load_and_inertia_is_claimed_where_no_state_has_it(short)
     assert np.all((found.variance - modelled(short, found))[:, states().index("speed")] == 0.0)
 
 
-def test_factors_are_read_as_they_were_written(tmp_path):
-    found = {
-        ("fmu", "ideal"): {"all": 3.0, "process.group_adhesion": 0.5},
-        ("fmu", "worn"): {"all": 1.0},
-        ("loaded", "worn"): {"process.d": 9.0},
-    }
-    write_factors(tmp_path / "noises.toml", found)
-    assert read_factors(tmp_path / "noises.toml") == found
-
-
 @pytest.mark.usefixtures("own_cache", "in_process")
 def test_a_search_of_one_estimator_keeps_the_noises_of_all_others(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

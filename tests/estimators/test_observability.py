@@ -60,21 +60,6 @@ def test_deviation_is_that_of_least_squares(rolling):
     assert deviation[0] == pytest.approx(np.sqrt(np.diag(inverse)), rel=1e-6)
 
 
-def test_pad_friction_is_undetermined_only_while_the_pads_are_released(rolling):
-    samples = 400
-    x = np.tile([22.0, 57.0, 0.36, 0.06], (samples, 1))
-    u = np.zeros((samples, 2))
-    u[200:, 0] = 2e4
-    scale = np.array([20.0, 50.0, 0.35, 0.1])
-    start, smallest, deviation = along(rolling, x, u, 1e-3, np.array([1e-4, 1e-4, 1e-3]), scale, 100, 100)
-    assert start.tolist() == [0, 100, 200, 300]
-    # With released pads no force acts through pad friction, so the readings do not depend on it.
-    assert np.all(deviation[:2, 2] == np.inf)
-    assert np.all(deviation[2:, 2] < 0.1)
-    assert np.all(np.isfinite(deviation[:, [0, 1, 3]]))
-    assert np.all(smallest[:2] < 1e-9 * smallest[2:])
-
-
 def test_arguments_without_an_answer_are_refused_with_a_sentence(rolling):
     x, u = np.array([22.0, 57.0, 0.36, 0.06]), np.array([2e4, 0.0])
     with pytest.raises(EstimatorError, match="scale requires a positive size for each of v, w, mu_b, alpha"):

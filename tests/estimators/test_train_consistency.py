@@ -40,7 +40,7 @@ import pytest
 from nees import chi_square_bounds, nees
 from sampling import sample
 from scipy.optimize import root
-from small_models import runge_kutta
+from small_models import draws, runge_kutta
 
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
@@ -159,20 +159,10 @@ def truth(model: str, sensors: str, braking: str) -> Truth:
     if braking == "one group released":
         held[RELEASED, 1] = 0.0
     (frozen,) = (i for i, name in enumerate(prediction.states) if name == "pad_friction[2]")
-    n, m = len(prediction.states), len(prediction.outputs)
     random = np.random.default_rng([TUNINGS.index((model, sensors)), BRAKING.index(braking)])
-    now = tuning.mean[:, np.newaxis] + np.sqrt(tuning.start)[:, np.newaxis] * random.standard_normal((n, RUNS))
-    state, seen = np.empty((STEPS, RUNS, n)), np.empty((STEPS, RUNS, m))
-    for k in range(STEPS):
-        noise = np.sqrt(PERIOD * tuning.process)[:, np.newaxis] * random.standard_normal((n, RUNS))
-        if held[k, 1] == 0.0:
-            noise[frozen] = 0.0  # its derivative is zero in any case
-        inputs = np.tile(held[k][:, np.newaxis], (1, RUNS))
-        now = np.asarray(ahead(now, inputs)) + noise
-        state[k] = now.T
-        error = np.sqrt(tuning.reading)[:, np.newaxis] * random.standard_normal((m, RUNS))
-        seen[k] = (np.asarray(output(now, inputs)) + error).T
-    return Truth(held, state, seen)
+    # The derivative of the frozen state is zero in any case.
+    noises = PERIOD * tuning.process, tuning.reading
+    return Truth(held, *draws(ahead, output, (tuning.mean, tuning.start), noises, held, frozen, random, RUNS))
 
 
 @dataclass(frozen=True)

@@ -47,15 +47,6 @@ def test_it_satisfies_the_contract_of_a_prediction(prediction):
     prediction_contract(prediction, rolling(prediction) + 1e-3, 0.7 * FULL_BRAKE + 1.0)
 
 
-def test_there_is_a_noise_for_every_state_and_reading(prediction):
-    (_, process, reading, *_), start = parts(prediction, "service")
-    assert process.shape == start.shape == (len(prediction.states),)
-    assert reading.shape == (len(prediction.outputs),)
-    assert np.all(process > 0.0)
-    assert np.all(reading > 0.0)
-    assert np.all(start > 0.0)
-
-
 def test_missing_names_of_a_noise_set_for_another_model_are_listed():
     with pytest.raises(EstimatorError, match="'reduced train, ideal sensors': no process noise for ddz, dz"):
         NOISE_SETS["reduced_ideal"].process_noise(["speed", "dz[1]", "ddz[1]"])
