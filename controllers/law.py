@@ -13,7 +13,7 @@ from railgrip.base.system import SampledSystem
 from railgrip.base.units import short
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.parameters import SEARCHED, Parameters, SlipSource, file_of, tuned_values
-from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, Symbols, choose, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, Symbols, choose, require_value, within
 from railgrip.vehicle.brake import BRAKE, Brake, pressure_of
 from railgrip.vehicle.signals import OBSERVATION, Signal
 
@@ -145,6 +145,7 @@ def law(
         signals = {signal: symbols[min(g, len(symbols)) - 1] for signal, symbols in inputs.items()}
         train.append(GroupObservation(index=g, signals=signals, brake=brake, train=train))
     for g, demanded in enumerate(demands(draft, parameters, train), start=1):
+        require_value(f"demand[{g}]", demanded)
         draft.output(f"demand[{g}]", "Pa", "demanded brake cylinder pressure", demanded)
     return draft.formula(name, description)
 
@@ -226,7 +227,7 @@ class GroupLaw(Law):
     @classmethod
     def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:
         """Return the demanded pressure of one group [Pa], and declare the group's states in the draft."""
-        raise NotImplementedError
+        raise NotImplementedError(f"{cls.__name__} has no classmethod demand(cls, draft, tuning, group)")
 
     @classmethod
     def demands(cls, draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:

@@ -25,6 +25,8 @@ Expression = Any
 Symbols = Mapping[str, Expression]
 """Expressions by name, such as the parameters of a law."""
 
+_CONDITIONS = {ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_NOT, ca.OP_AND, ca.OP_OR}
+
 
 class FormulaBuilder:
     """A formula under construction: it creates symbols of inputs, parameters and states, and collects the results.
@@ -131,6 +133,19 @@ def _require_scalar(name: str, value: Expression) -> Expression:
         if ca.SX(value).is_scalar():
             return value
     raise TypeError(f"{name} is {short(value)}, but one number or scalar expression is expected")
+
+
+def require_value(name: str, value: Expression) -> None:
+    """Require that an expression is a value and not a condition, whose values are 0 and 1.
+
+    Raises:
+        TypeError: It is a condition.
+    """
+    is_condition = isinstance(value, bool) or (
+        isinstance(value, ca.SX) and value.is_scalar() and value.op() in _CONDITIONS
+    )
+    if is_condition:
+        raise TypeError(f"{name} is the condition {short(value)}; `choose` selects a value by it")
 
 
 def choose(condition: Expression, this: Expression, otherwise: Expression) -> Expression:

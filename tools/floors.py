@@ -186,8 +186,8 @@ def choose(seconds: dict[str, float], ran: dict[str, set[int]]) -> tuple[set[str
     names = [*cost]
     is_required = np.array([required(unit) for unit in names])
     runs = np.zeros((len(names), 1 + max(map(max, filter(None, ran.values())), default=0)), dtype=np.bool_)
-    for row, unit in zip(runs, names, strict=True):
-        row[[*has[unit]]] = True
+    for row, unit in enumerate(names):
+        runs[row, [*has[unit]]] = True
     once = runs[is_required].any(axis=0)
     once[[*ran.get(REGRESSION, ())]] = True
     by_units = _distinct(runs[:, runs.any(axis=0) & ~once])

@@ -135,6 +135,10 @@ REFUSED = {
     "max": (law(lambda _, __, group: max(0.0, group.slip)), "Python's if, and, .* casadi.fmax"),
     "none": (law(lambda *_: None), r"demand\[1\] is None, but one number"),
     "vector": (law(lambda _, __, group: ca.vertcat(group.slip, 0)), r"demand\[1\] is SX\(.* but one number"),
+    "condition": (law(lambda _, __, group: group.slip < 0.1), r"demand\[1\] is the condition .*slip.*; `choose`"),
+    "either": (law(lambda _, __, group: ca.logic_or(group.slip < 0.1, group.speed < 1)), "is the condition"),
+    "true": (law(lambda *_: True), "is the condition True; `choose`"),
+    "incomplete": (type("Own", (GroupLaw,), {"description": ""}), r"Own has no classmethod demand\(cls, draft, tun"),
     "twice": (law(lambda draft, *_: remember(draft, "time")), "the state 'time' is declared twice; `group.label`"),
     "forgotten": (
         law(lambda draft, _, group: draft.state(group.label("t"), "s", "")),
