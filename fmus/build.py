@@ -332,4 +332,4 @@ def _inputs_digest(recipe: Recipe, compiler: str, library: str) -> str:
 def toolchain_digest() -> str:
     """Return a digest over the C compiler and its options."""
     actual = toolchain.compiler()
-    return digest([*actual.command, actual.version, *toolchain.FLAGS, *toolchain.FMU_FLAGS])
+    return digest([*actual.command, actual.version, *toolchain.FLAGS, *toolchain.FAST_BUILD])

@@ -14,7 +14,7 @@ from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.base.programs import environment_of_programs, find_program
 from railgrip.fmus.native.discrete import WrittenStep, sources_of_library
 from railgrip.fmus.native.package import c_identifier
-from railgrip.fmus.native.toolchain import FMU_FLAGS, shared_library
+from railgrip.fmus.native.toolchain import FAST_BUILD, shared_library
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.export.c_parts import part_in_c, readings_of
 
@@ -162,7 +162,7 @@ class TargetBuild:
     def run_here(self) -> Matrix:
         """Return the outputs of this machine for the readings, shape (steps, outputs)."""
         library = ctypes.CDLL(
-            str(shared_library(self.files, self.name, units=self.units, flags=(*FMU_FLAGS, "-fvisibility=default")))
+            str(shared_library(self.files, self.name, units=self.units, flags=(*FAST_BUILD, "-fvisibility=default")))
         )
         words = re.search(r"memory\[(\d+)\]", self.files[f"{self.name}.h"])
         assert words is not None

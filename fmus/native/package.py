@@ -21,7 +21,7 @@ from railgrip.fmus.native import code, description
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.description import attributes_text
 from railgrip.fmus.native.system import System
-from railgrip.fmus.native.toolchain import FMU_FLAGS, SUFFIX, TARGETS, Platform, binary
+from railgrip.fmus.native.toolchain import FAST_BUILD, SUFFIX, TARGETS, Platform, binary
 
 _fmpy = find_spec("fmpy")
 assert _fmpy is not None
@@ -113,13 +113,13 @@ def c_identifier(name: str) -> str:
     return re.sub(r"^(?=\d)|\W", "_", name, flags=re.ASCII)[:100]
 
 
-def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FMU_FLAGS, platforms: Sequence[str] = ()) -> Path:
+def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FAST_BUILD, platforms: Sequence[str] = ()) -> Path:
     """Write an FMU to a file; arguments and errors are those of `archive_bytes`."""
     write_bytes(path, archive_bytes(source, flags=flags, platforms=platforms))
     return path
 
 
-def archive_bytes(source: Source, *, flags: tuple[str, ...] = FMU_FLAGS, platforms: Sequence[str] = ()) -> bytes:
+def archive_bytes(source: Source, *, flags: tuple[str, ...] = FAST_BUILD, platforms: Sequence[str] = ()) -> bytes:
     """Return the content of an FMU; the same sources give the same bytes.
 
     Args:

@@ -33,8 +33,8 @@ from railgrip.base.programs import environment_of_programs, find_program, instal
 # With -ffp-contract=off and without -ffast-math, results are equal to the bit on every x86-64 machine. gnu99 is C99
 # without trigraphs, in which `??/` would be a backslash, even inside a string literal.
 FLAGS = ("-std=gnu99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
-FMU_FLAGS = ("-O1",)
-"""Flags for FMUs: -O2 takes twice as long to compile the long functions, without a measurable gain at run time."""
+FAST_BUILD = ("-O1",)
+"""Flags for generated code: -O2 takes twice as long to compile its long functions, without a gain at run time."""
 
 LONGEST = 900.0
 """Time limit of a C compiler [s]."""

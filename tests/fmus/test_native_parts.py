@@ -53,7 +53,7 @@ def elimination_library(n, pattern):
             f"{EXPORTED} void solve(const double *a, double *b) {{ sparse_solve(a, b); }}",
         ]
     )
-    library = ctypes.CDLL(str(toolchain.shared_library({"lu.c": code}, "lu", flags=package.FMU_FLAGS)))
+    library = ctypes.CDLL(str(toolchain.shared_library({"lu.c": code}, "lu", flags=package.FAST_BUILD)))
     library.factor.argtypes = [POINTER, ctypes.c_double, POINTER]
     library.solve.argtypes = [POINTER, POINTER]
     return library, np.zeros(elimination.entries)

@@ -20,7 +20,7 @@ from fmpy.validation import validate_fmu
 
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.fmus.native.discrete import sources
-from railgrip.fmus.native.package import FMU_FLAGS, as_fmi_3, pack
+from railgrip.fmus.native.package import FAST_BUILD, as_fmi_3, pack
 from railgrip.fmus.native.package import HEADERS as INCLUDED
 from railgrip.fmus.native.toolchain import TARGETS, binary
 
@@ -84,7 +84,7 @@ def test_each_library_exports_the_functions_of_its_standard_on_its_platform(pack
 
 def test_object_files_for_windows_export_the_functions_of_their_standard(source):
     version, text = source
-    flags = (*FMU_FLAGS, "-c")
+    flags = (*FAST_BUILD, "-c")
     content = binary(
         text.files, "sum", units=text.units, include=[INCLUDED], flags=flags, target=TARGETS[WINDOWS]
     )  # fmt: skip

@@ -23,7 +23,7 @@ from railgrip.fmus.native.discrete import (
     straight_step,
 )
 from railgrip.fmus.native.package import Source, c_identifier
-from railgrip.fmus.native.toolchain import FMU_FLAGS, Struct, static_library
+from railgrip.fmus.native.toolchain import FAST_BUILD, Struct, static_library
 from railgrip.kernel import headers, kernel, texts
 from railgrip.scenario.onboard import KalmanFilter
 from railgrip.scenario.schema import Scenario
@@ -127,7 +127,7 @@ def write_library(scenario: Scenario, folder: Path, objects: CustomParts = NO_CU
     contents = {folder / file: text.encode() for file, text in at_top.items()}
     contents |= {folder / "sources" / file: text.encode() for file, text in files.items() if file not in at_top}
     contents[folder / "sources" / f"{name}.h"] = contents[folder / f"{name}.h"]
-    contents[folder / f"lib{name}.a"] = static_library(files, name, units=units, flags=FMU_FLAGS)
+    contents[folder / f"lib{name}.a"] = static_library(files, name, units=units, flags=FAST_BUILD)
     claim(folder, *(file.relative_to(folder).as_posix() for file in contents))
     (folder / "sources").mkdir(exist_ok=True)
     for file, content in contents.items():

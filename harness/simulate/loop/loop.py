@@ -19,7 +19,7 @@ from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmi import CoSimulation
 from railgrip.fmus.native.c_source import in_c
-from railgrip.fmus.native.toolchain import Struct, shared_library
+from railgrip.fmus.native.toolchain import FAST_BUILD, Struct, shared_library
 from railgrip.kernel import kernel, rate_of, texts
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.loop.interfaces import BLOCK, DirectEstimator, LoopSensors, Parts, SensorsInC, StateEstimator
@@ -175,7 +175,7 @@ def _address_of(step: ca.Function) -> int:
     macros = "".join(f"#define {name} {size}\n" for name, size in {"STATES": step.numel_out(0), **sizes}.items())
     header = f"{macros}#define CASADI_SYMBOL_EXPORT static\n{text}"
     sources = {"step.h": header} | texts("formula.c", "export.h")
-    library = ctypes.CDLL(str(shared_library(sources, "formula")))
+    library = ctypes.CDLL(str(shared_library(sources, "formula", flags=FAST_BUILD)))
     return ctypes.cast(library.evaluate, ctypes.c_void_p).value or 0
 
 
