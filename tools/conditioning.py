@@ -5,6 +5,7 @@ by a tenth is random. All controllers have the same lots, so that their distance
 OpenModelica is on the PATH, its FMUs are repeated, and their distances are added to those of the built-in compiler.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,7 +14,7 @@ from typing import Literal
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.work import Work
-from railgrip.report.stop import Stop, read_stop
+from railgrip.report.stop import read_stop
 from railgrip.report.table import names
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import SMOOTH, ConditioningFile, RepeatedDistances
@@ -87,12 +88,11 @@ def conditioning_of(
     for stop in campaign.stops:
         repeated = repeats[stop.name]
         perturbed = [read_stop(directory / one.name) for one in repeated.perturbed]
-        distances = [_distance(one) for one in perturbed]
         figures = [one.metrics.compared() for one in perturbed]
         stops[stop.name] = RepeatedDistances(
             digest=stop.scenario.digest(),
-            distances=tuple(sorted(distances, key=lambda distance: (distance is None, distance))),
-            lots=tuple(_distance(read_stop(directory / lot.name)) for lot in repeated.lots),
+            distances=tuple(sorted(_rounded(one.braking_distance) for one in perturbed)),
+            lots=tuple(_rounded(read_stop(directory / lot.name).braking_distance) for lot in repeated.lots),
             figures={
                 name: tuple(each[name] for each in figures)
                 for name in figures[0]
@@ -177,9 +177,9 @@ def with_refinement(
                 for seed in seeds
             ]
     distances = work.map(braking_distance, [scenario for *_, scenario in cases])
-    found: dict[str, dict[float, list[float | None]]] = {}
+    found: dict[str, dict[float, list[float]]] = {}
     for (name, value, _), distance in zip(cases, distances, strict=True):
-        found.setdefault(name, {}).setdefault(value, []).append(None if distance is None else round(distance, 3))
+        found.setdefault(name, {}).setdefault(value, []).append(_rounded(distance))
     return {
         name: before.stops[name].model_copy(update={of: {value: tuple(each) for value, each in by_value.items()}})
         for name, by_value in found.items()
@@ -209,6 +209,6 @@ def _repeat(stop: PlannedStop, suffix: str, **tables: object) -> PlannedStop:
     return replace(stop, name=f"{stop.name}-{suffix}", scenario=scenario, keep_trace=False)
 
 
-def _distance(stop: Stop) -> float | None:
+def _rounded(distance: float | None) -> float:
     # Rounded to the millimetre: the change by one communication step in the last metre per second.
-    return None if stop.braking_distance is None else round(stop.braking_distance, 3)
+    return math.inf if distance is None else round(distance, 3)

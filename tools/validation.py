@@ -55,7 +55,7 @@ def stops_of(campaign: Campaign, accepted: Mapping[str, AcceptedValue]) -> Frame
                 "equipment": stop.variants["equipment"], "variant": stop.variants["controller"],
                 "controller": scenario["controller"]["kind"], "controller_label": label(scenario),
                 "scenario": scenario, "paper": reference.distance if reference else math.nan,
-                "stated": _stated(one, own), "repeats": repeated, "lots": own.lot_distances if own else (),
+                "stated": _stated(one, own), "repeats": repeated, "lots": own.lots if own else (),
                 "needs_lots": isinstance(stop.scenario.sensors, SampledSensors),
             } | {key: getattr(one, key, None) for key in _MAXIMA.values()}
         )  # fmt: skip
@@ -78,7 +78,7 @@ _KINDS: Final = ("published", "best tuned")
 def _stated(accepted: AcceptedValue | None, repeats: RepeatedDistances | None = None) -> StatedDistance | None:
     """Return the distances over the lots of sensors, or the accepted distance with its range; None without one."""
     if repeats and repeats.lots:
-        return StatedDistance(repeats.lot_distances, are_lots=True)
+        return StatedDistance(repeats.lots, are_lots=True)
     if accepted is None:
         return None
     if not accepted.is_range:

@@ -86,7 +86,7 @@ def accepted(equipment: str, scenario: str) -> str:
     conditioning = _campaign()[0].conditioning
     assert conditioning is not None, "the campaign of Table 1 names the file of its repeats"
     one = read_conditioning(conditioning).stops[f"{scenario}-{equipment}-adhesion_literal"]
-    metres = [distance for distance in (one.lots or one.distances) if distance is not None]
+    metres = [distance for distance in (one.lots or one.distances) if math.isfinite(distance)]
     lock = locked_text(max(one.figures["longest_lock"]))
     return f"{np.median(metres):.1f} m, {min(metres):.1f} – {max(metres):.1f} m{lock}"
 

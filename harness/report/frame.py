@@ -81,8 +81,8 @@ class StatedDistance:
         if repeats is None or not (repeats.lots or repeats.spreads):
             return cls((endless(stop.braking_distance),), max(stop.metrics.longest_lock))
         if repeats.lots:
-            return cls(repeats.lot_distances, are_lots=True)
-        return cls(repeats.repeated_distances, max(repeats.figures.get("longest_lock", ()), default=nan))
+            return cls(repeats.lots, are_lots=True)
+        return cls(repeats.distances, max(repeats.figures.get("longest_lock", ()), default=nan))
 
     @property
     def median(self) -> float:

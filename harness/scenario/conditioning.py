@@ -8,9 +8,10 @@ import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
-from pydantic import Field
+from pydantic import BeforeValidator, Field, PlainSerializer
 
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.files import read_bytes
@@ -38,46 +39,52 @@ LOOSEST = 5e-3
 """Relative tolerance above which a figure is not compared: it would hide a change of one per cent."""
 
 
-class RepeatedDistances(Table):
-    """The distances of one stop.
+_Distance = Annotated[
+    NotNegative,
+    Field(allow_inf_nan=True),
+    BeforeValidator(lambda entry: math.inf if entry is None else entry),
+    PlainSerializer(lambda distance: None if distance == math.inf else distance),
+]
+"""Distance of a repeat [m]; infinite without standstill, which is null in a file."""
 
-    `None` represents a repeat without standstill, which counts as an infinite distance.
-    """
+
+class RepeatedDistances(Table):
+    """The distances of one stop."""
 
     digest: str = Field(description="of the scenario of the stop")
-    distances: tuple[NotNegative | None, ...] = Field(min_length=1, description="[m], from the shortest on")
-    compilers: dict[str, tuple[NotNegative | None, ...]] = Field(
+    distances: tuple[_Distance, ...] = Field(min_length=1, description="[m], from the shortest on")
+    compilers: dict[str, tuple[_Distance, ...]] = Field(
         default={}, description="other compiler → distances [m] with its FMUs, from the shortest on, parameters moved"
     )
     figures: dict[str, tuple[Number, ...]] = Field(
         default={}, description="figure of `Metrics.compared` → its value in each of the first repeats"
     )
-    lots: tuple[NotNegative | None, ...] = Field(
+    lots: tuple[_Distance, ...] = Field(
         default=(), description="[m], with lots 1, 2, … of the sensors; empty if sensors have no errors"
     )
 
-    steps: dict[int, tuple[NotNegative | None, ...]] = Field(
+    steps: dict[int, tuple[_Distance, ...]] = Field(
         default={}, description="divisor of the communication step → distances [m] with it, parameters moved as well"
     )
 
-    tolerances: dict[float, tuple[NotNegative | None, ...]] = Field(
+    tolerances: dict[float, tuple[_Distance, ...]] = Field(
         default={}, description="tolerance of the plant's solver → distances [m] with it, parameters moved as well"
     )
 
     @property
     def lowest(self) -> float:
         """The shortest distance [m]."""
-        return float(np.min(self.repeated_distances))
+        return float(np.min(self.distances))
 
     @property
     def median(self) -> float:
         """Median distance [m]."""
-        return float(np.median(self.repeated_distances))
+        return float(np.median(self.distances))
 
     @property
     def highest(self) -> float:
         """The longest distance [m]."""
-        return float(np.max(self.repeated_distances))
+        return float(np.max(self.distances))
 
     @property
     def spreads(self) -> bool:
@@ -111,7 +118,7 @@ class RepeatedDistances(Table):
 
     def moved_by_step(self, divisor: int) -> float:
         """Return the relative change of the median with a divided communication step; infinite without standstill."""
-        return _moved(self.repeated_distances, _endless(self.steps[divisor]))
+        return _moved(self.distances, self.steps[divisor])
 
     def noise_of_step(self, divisor: int) -> float:
         """Return the half width of the 95 % interval of `moved_by_step` if the step has no effect.
@@ -119,7 +126,7 @@ class RepeatedDistances(Table):
         Both medians are of normal draws with the deviation of the undivided repeats; the median's standard error is
         √(π/2) σ/√n (Kendall and Stuart, The Advanced Theory of Statistics 1, 1969, §14.12).
         """
-        return _noise(len(self.distances), len(self.steps[divisor]), _deviation(self.repeated_distances)) / self.median
+        return _noise(len(self.distances), len(self.steps[divisor]), _deviation(self.distances)) / self.median
 
     def error_at(self, tolerance: float | None) -> tuple[float, float]:
         """Return the relative error of the median distance at a tolerance, against the tightest one of `tolerances`.
@@ -130,8 +137,8 @@ class RepeatedDistances(Table):
         Returns:
             Error, and the half width of its 95 % interval, with the deviation of the repeats at either tolerance.
         """
-        tightest = _endless(self.tolerances[min(self.tolerances)])
-        repeats = self.repeated_distances if tolerance is None else _endless(self.tolerances[tolerance])
+        tightest = self.tolerances[min(self.tolerances)]
+        repeats = self.distances if tolerance is None else self.tolerances[tolerance]
         spread = math.hypot(_deviation(tightest), _deviation(repeats)) / math.sqrt(2.0)
         noise = _noise(len(tightest), len(repeats), spread)
         return _moved(tightest, repeats), noise / float(np.median(tightest))
@@ -155,24 +162,12 @@ class RepeatedDistances(Table):
 
     def ends_of(self, compiler: str) -> tuple[float, float]:
         """Shortest and longest distance with the FMUs of another compiler [m]."""
-        distances = _endless(self.compilers[compiler])
-        return min(distances), max(distances)
+        return min(self.compilers[compiler]), max(self.compilers[compiler])
 
     @property
     def lots_text(self) -> str:
         """Median and range of the distance over the lots of sensors; empty without lots."""
-        lots = self.lot_distances
-        return f"{np.median(lots):.1f} m ({min(lots):.1f} – {max(lots):.1f} m)" if lots else ""
-
-    @property
-    def lot_distances(self) -> list[float]:
-        """Distances by lot of the sensors [m], infinite without standstill."""
-        return _endless(self.lots)
-
-    @property
-    def repeated_distances(self) -> list[float]:
-        """Distances with perturbed parameters [m], infinite without standstill."""
-        return _endless(self.distances)
+        return f"{np.median(self.lots):.1f} m ({min(self.lots):.1f} – {max(self.lots):.1f} m)" if self.lots else ""
 
 
 def _moved(before: Sequence[float], after: Sequence[float]) -> float:
@@ -187,10 +182,6 @@ def _deviation(distances: Sequence[float]) -> float:
     if not np.isfinite(distances).all():
         return math.inf
     return float(np.std(distances, ddof=1)) if len(distances) > 1 else 0.0
-
-
-def _endless(distances: Sequence[float | None]) -> list[float]:
-    return [math.inf if distance is None else distance for distance in distances]
 
 
 class ConditioningFile(Table):

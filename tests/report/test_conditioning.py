@@ -89,7 +89,7 @@ def test_a_stop_with_erroneous_sensors_is_repeated_with_other_lots_on_the_same_r
     assert len({lot.name for lot in repeats.stops}) == 3
     for number, one in enumerate(repeats.stops):
         write_stop(stop_of(one.scenario, 0.95 + 0.01 * number), tmp_path / one.name, keep_trace=False)
-    lots = conditioning_of(campaign, {stop.name: repeats}, tmp_path, 1e-7).stops[stop.name].lot_distances
+    lots = conditioning_of(campaign, {stop.name: repeats}, tmp_path, 1e-7).stops[stop.name].lots
     assert len(lots) == 2
     assert lots[0] != lots[1]
 
