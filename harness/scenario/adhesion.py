@@ -13,6 +13,7 @@ from railgrip.kernel import kernel
 from railgrip.scenario.curve import TabulatedQuantity
 from railgrip.scenario.profile import (
     LONGEST_RAIL,
+    Adhesion,
     Conditioning,
     Constant,
     FromTable,
@@ -80,28 +81,28 @@ def profile_of(scenario: Scenario, formation: Formation) -> FrictionTable:
             positions are not given.
     """
     adhesion, wheelsets = scenario.adhesion, formation.wheelsets
-    _require_reached(scenario)
-    _require_resolved(scenario)
-    step, places = _grid(scenario, formation)
-    friction = _profile_friction(scenario, places, step, wheelsets)
-    patches = _patches(scenario, places)
-    if patches:
-        friction = np.array(np.broadcast_to(friction, (len(places), wheelsets)))
-    for patch in patches:
-        _check_count(scenario, "[adhesion] patch mu0", len(patch.mu0), wheelsets)
-        rows = _rows(patch, places)
-        friction[rows] += _inside(patch, places[rows]) * (np.array(patch.mu0) - friction[rows])
-    mu0 = _condition_rail(adhesion.factor * friction, adhesion.conditioning, formation)
-    if mu0.max() > 1:
-        raise ScenarioError(
-            f"{scenario.name}: [adhesion] level {adhesion.factor:g} brings mu0 to {mu0.max():.3g}, above 1"
-        )
+    with scenario.name_errors():
+        _require_reached(scenario)
+        _require_resolved(adhesion, scenario.periods.communication)
+        step, places = _grid(scenario, formation)
+        friction = _profile_friction(adhesion, scenario.seed, places, step, wheelsets)
+        patches = _patches(adhesion, scenario.seed, places)
+        if patches:
+            friction = np.array(np.broadcast_to(friction, (len(places), wheelsets)))
+        for patch in patches:
+            _check_count("[adhesion] patch mu0", len(patch.mu0), wheelsets)
+            rows = _rows(patch, places)
+            friction[rows] += _inside(patch, places[rows]) * (np.array(patch.mu0) - friction[rows])
+        mu0 = _condition_rail(adhesion.factor * friction, adhesion.conditioning, formation)
+        if mu0.max() > 1:
+            raise ScenarioError(f"[adhesion] level {adhesion.factor:g} brings mu0 to {mu0.max():.3g}, above 1")
+        curve_at = _curves(adhesion, patches, places, mu0.shape)
     mu0.flags.writeable = False
     return FrictionTable(
         over_time=not scenario.runs_over_distance,
         step=step,
         mu0_at=mu0,
-        curve_at=_curves(scenario, patches, places, mu0.shape),
+        curve_at=curve_at,
     )
 
 
@@ -114,54 +115,51 @@ def _grid(scenario: Scenario, formation: Formation) -> tuple[float, Array]:
     if not scenario.runs_over_distance:
         if adhesion.patch:
             raise ScenarioError(
-                f"{scenario.name}: [adhesion.patch] has a place on the rail, but the profile is over time; use a "
-                "profile over distance"
+                "[adhesion.patch] has a place on the rail, but the profile is over time; use a profile over distance"
             )
         step = scenario.periods.communication
         return step, step * np.arange(round(scenario.horizon / step) + 2, dtype=np.float64)[:, None]
-    step, position = _PLACE_STEP, position_of(scenario, formation)
+    step, position = _PLACE_STEP, position_of(adhesion, formation)
     if isinstance(adhesion, Constant):  # behind its patches nothing changes
         reach = max(p.begin + p.length for p in adhesion.patch) + position.max() + step
-        _require_tabulated(scenario, reach, "a wheelset meets the last patch")
+        _require_tabulated(reach, "a wheelset meets the last patch")
     else:
         reach = reach_of(scenario)
     return step, step * np.arange(int(reach / step) + 2, dtype=np.float64)[:, None] - position
 
 
-def _profile_friction(scenario: Scenario, places: Array, step: float, wheelsets: int) -> Array:
-    adhesion = scenario.adhesion
+def _profile_friction(adhesion: Adhesion, seed: int, places: Array, step: float, wheelsets: int) -> Array:
     match adhesion:
         case Constant(mu0=mu0) | Leaves(mu0=mu0):
-            _check_count(scenario, "[adhesion] mu0", len(mu0), wheelsets)
+            _check_count("[adhesion] mu0", len(mu0), wheelsets)
             return np.broadcast_to(mu0, (len(places), wheelsets))
         case Points():
             friction = np.interp(places, adhesion.places, [mu0 for _, mu0 in adhesion.points])
             if adhesion.correlation is None:
                 return friction
             correlation = adhesion.extent("correlation")
-            spacing = correlation / 20 if scenario.runs_over_distance else step
-            points, noise = _noise(correlation, places, spacing, scenario.seed)
+            spacing = correlation / 20 if adhesion.over == "distance" else step
+            points, noise = _noise(correlation, places, spacing, seed)
             return friction * (1.0 + adhesion.scatter * np.interp(places, points, np.clip(noise, -3.0, 3.0)))
         case Trapezoid():
             return _trapezoid(adhesion, places)
         case SineSweep():
             return _sine_sweep(adhesion, places)
         case Random():
-            return _random(adhesion, places, scenario.seed)
+            return _random(adhesion, places, seed)
         case FromTable(curve=curve):
             columns = curve.values.shape[1]
-            _check_count(scenario, f"[adhesion] file {adhesion.file.entry}", columns, wheelsets)
+            _check_count(f"[adhesion] file {adhesion.file.entry}", columns, wheelsets)
             return _from_curve(curve, np.broadcast_to(places, (len(places), max(places.shape[1], columns))))
         case _:
             assert_never(adhesion)
 
 
 def _curves(
-    scenario: Scenario, patches: Sequence[Patch], places: Array, shape: tuple[int, ...]
+    adhesion: Adhesion, patches: Sequence[Patch], places: Array, shape: tuple[int, ...]
 ) -> NDArray[np.uint8] | None:
-    adhesion = scenario.adhesion
     of_wheelset = adhesion.polach_of_wheelset or (adhesion.polach,)
-    _check_count(scenario, "[adhesion] polach_of_wheelset", len(of_wheelset), shape[1])
+    _check_count("[adhesion] polach_of_wheelset", len(of_wheelset), shape[1])
     if len(adhesion.curves) == 1:
         return None
     number = {curve: index for index, curve in enumerate(adhesion.curves)}
@@ -174,18 +172,18 @@ def _curves(
     return curves
 
 
-def position_of(scenario: Scenario, formation: Formation) -> Array:
+def position_of(adhesion: Adhesion, formation: Formation) -> Array:
     """Return the distance of each wheelset behind the leading one [m].
 
     Raises:
         ScenarioError: The positions of the wheelsets are not given.
     """
     if formation.position is None:
-        recovers = "[adhesion] has recovery" if scenario.adhesion.cleaning is not None else "[[sanders]] lay sand"
-        what = "[adhesion] runs over distance" if scenario.runs_over_distance else recovers
+        recovers = "[adhesion] has recovery" if adhesion.cleaning is not None else "[[sanders]] lay sand"
+        what = "[adhesion] runs over distance" if adhesion.over == "distance" else recovers
         raise ScenarioError(
-            f"{scenario.name}: {what}, and the plant does not declare the positions of its wheelsets: "
-            "give [vehicle.formation] wheelset_position, how far each is behind the leading one"
+            f"{what}, and the plant does not declare the positions of its wheelsets: give [vehicle.formation] "
+            "wheelset_position, how far each is behind the leading one"
         )
     return formation.position
 
@@ -197,7 +195,8 @@ def reach_of(scenario: Scenario) -> float:
         ScenarioError: The distance is too long for a table.
     """
     reach, fastest = _farthest(scenario), "any train" if scenario.has_traction else "[start] speed"
-    _require_tabulated(scenario, reach, f"{fastest} goes until [limits] horizon")
+    with scenario.name_errors():
+        _require_tabulated(reach, f"{fastest} goes until [limits] horizon")
     return reach
 
 
@@ -222,27 +221,27 @@ def _require_reached(scenario: Scenario) -> None:
         if distances and (min(distances) > reach or max(distances) < 0.0):
             has_origin = key.startswith("[adhesion]")
             raise ScenarioError(
-                f"{scenario.name}: {key} is from {min(distances):g} m to {max(distances):g} m from the brake demand, "
-                f"but the train gets no farther than {reach:g} m; places are distances from the brake demand"
+                f"{key} is from {min(distances):g} m to {max(distances):g} m from the brake demand, but the train gets "
+                f"no farther than {reach:g} m; places are distances from the brake demand"
                 + (", or chainages if [adhesion] origin has that of the leading wheelset there" if has_origin else "")
             )
 
 
-def _require_tabulated(scenario: Scenario, reach: float, what: str) -> None:
+def _require_tabulated(reach: float, what: str) -> None:
     if reach > LONGEST_RAIL:
         raise ScenarioError(
-            f"{scenario.name}: [adhesion] over distance is tabulated as far as {what}, {reach / 1e3:.3g} km; "
+            f"[adhesion] over distance is tabulated as far as {what}, {reach / 1e3:.3g} km; "
             f"{LONGEST_RAIL / 1e3:g} km is the most, shorten it"
         )
 
 
-def _check_count(scenario: Scenario, what: str, count: int, wheelsets: int) -> None:
+def _check_count(what: str, count: int, wheelsets: int) -> None:
     if count not in (1, wheelsets):
-        raise ScenarioError(f"{scenario.name}: {what} is for {count} wheelsets, the vehicle has {wheelsets}")
+        raise ScenarioError(f"{what} is for {count} wheelsets, the vehicle has {wheelsets}")
 
 
-def _require_resolved(scenario: Scenario) -> None:
-    match scenario.adhesion:
+def _require_resolved(adhesion: Adhesion, period: float) -> None:
+    match adhesion:
         case SineSweep() as shape:
             finest = 0.5 / max(shape.frequencies)
             what = f"[adhesion] frequencies reach {max(shape.frequencies):.3g} 1/{shape.unit}"
@@ -251,11 +250,9 @@ def _require_resolved(scenario: Scenario) -> None:
             what = f"[adhesion] correlation is {shape.extent('correlation'):.3g} {shape.unit}"
         case _:
             return
-    step = _PLACE_STEP if scenario.runs_over_distance else scenario.periods.communication
+    step = _PLACE_STEP if adhesion.over == "distance" else period
     if finest < step:
-        raise ScenarioError(
-            f"{scenario.name}: {what}, too fine for a rail that is looked at every {step:g} {shape.unit}"
-        )
+        raise ScenarioError(f"{what}, too fine for a rail that is looked at every {step:g} {shape.unit}")
 
 
 def _trapezoid(shape: Trapezoid, places: Array) -> Array:
@@ -307,15 +304,14 @@ def _noise(correlation: float, places: Array, spacing: float, seed: int) -> tupl
     return points, noise
 
 
-def _patches(scenario: Scenario, places: Array) -> Sequence[Patch]:
+def _patches(leaves: Adhesion, seed: int, places: Array) -> Sequence[Patch]:
     # Later patches cover earlier ones: leaves first, then the given patches. Leaves are drawn from the start of the
     # first wheelset on, so that a longer train or horizon adds patches without moving any, and backwards from there
     # until no patch reaches the last wheelset.
-    leaves = scenario.adhesion
     if not isinstance(leaves, Leaves):
         return leaves.patch
-    ahead = _draw_patches(leaves, generator(scenario.seed, "adhesion"), float(places.max()))
-    behind = _draw_patches(leaves, generator(scenario.seed, "adhesion.behind"), leaves.longest - float(places.min()))
+    ahead = _draw_patches(leaves, generator(seed, "adhesion"), float(places.max()))
+    behind = _draw_patches(leaves, generator(seed, "adhesion.behind"), leaves.longest - float(places.min()))
     drawn = [*((-begin, length, mu0) for begin, length, mu0 in reversed(behind)), *ahead]
     return (
         *(
@@ -465,20 +461,18 @@ def rail_of(
     Raises:
         ScenarioError: The positions of the wheelsets are not given, or a sander is at a wheelset that does not exist.
     """
-    adhesion, formation = scenario.adhesion, layout.formation
-    slip_energy = None
-    if adhesion.cleaning is not None:
-        position_of(scenario, formation)
-        *_, share, decay = curves[0].tolist()
-        slip_energy = SlipEnergy(layout, adhesion.cleaning, (share, decay), reach_of(scenario))
-    sand = None
-    if adhesion.sand is not None and sanders:
-        for number, sander in enumerate(sanders, start=1):
-            if sander.wheelset > formation.wheelsets:
-                raise ScenarioError(
-                    f"{scenario.name}: [sanders[{number}]] is at wheelset {sander.wheelset}, the vehicle has "
-                    f"{formation.wheelsets}"
-                )
-        position_of(scenario, formation)
-        sand = SandedRail(layout, sanders, reach_of(scenario), adhesion.sand)
+    adhesion, formation, slip_energy, sand = scenario.adhesion, layout.formation, None, None
+    with scenario.name_errors():
+        if adhesion.cleaning is not None:
+            position_of(adhesion, formation)
+            *_, share, decay = curves[0].tolist()
+            slip_energy = SlipEnergy(layout, adhesion.cleaning, (share, decay), reach_of(scenario))
+        if adhesion.sand is not None and sanders:
+            for number, sander in enumerate(sanders, start=1):
+                if sander.wheelset > formation.wheelsets:
+                    raise ScenarioError(
+                        f"[sanders[{number}]] is at wheelset {sander.wheelset}, the vehicle has {formation.wheelsets}"
+                    )
+            position_of(adhesion, formation)
+            sand = SandedRail(layout, sanders, reach_of(scenario), adhesion.sand)
     return TabulatedRail(layout, profile_of(scenario, formation), force, slip_energy, sand, curves)

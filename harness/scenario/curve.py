@@ -205,22 +205,16 @@ def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> Array:
         if (
             values.shape[1:] == (count,)
             and np.isfinite(values).all()
-            and not any("_" in cell for _, row in rows for cell in row)
+            and not any("_" in cell for _, row in rows for cell in row)  # Python reads "50_000" as a number
         ):
             return values
     except ValueError:  # a cell is not a number, or rows differ in length
         pass
-    line = next(line for line, row in rows if not _is_of_numbers(row, count))
+    if len(rows) > 1:
+        for row in rows:
+            _numbers([row], count)  # raises the error of the first wrong one
     # The content is not repeated: in a scenario from elsewhere the path may point to a private file.
-    raise ValueError(f"line {line}: {count} finite numbers are expected")
-
-
-def _is_of_numbers(row: Sequence[str], count: int) -> bool:
-    try:
-        # Python reads "50_000" as a number.
-        return len(row) == count and all(math.isfinite(float(cell)) and "_" not in cell for cell in row)
-    except ValueError:
-        return False
+    raise ValueError(f"line {rows[0][0]}: {count} finite numbers are expected")
 
 
 _SORT = (

@@ -15,14 +15,16 @@ from railgrip.controllers.law import GroupLaw
 from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.adhesion import reach_of
-from railgrip.scenario.demand import PhaseEnd
-from railgrip.scenario.faults import amount_of
-from railgrip.scenario.onboard import BuiltInLaw
-from railgrip.scenario.profile import FromTable, Points
+from railgrip.scenario.demand import Phase, PhaseEnd
+from railgrip.scenario.faults import Fault, amount_of
+from railgrip.scenario.onboard import BuiltInLaw, Controller
+from railgrip.scenario.profile import Adhesion, FromTable, Points
 from railgrip.scenario.quantity import in_units, unusual
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle_table import RecipePlant, TrainFile
+from railgrip.scenario.track import Track
+from railgrip.scenario.vehicle_table import RecipePlant, Source, TrainFile
 from railgrip.simulate.faults.sensor import DistortedReading
+from railgrip.simulate.faults.site import iterate_faults
 from railgrip.simulate.named_models import remarks_on_train
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.metrics import Metrics
@@ -51,13 +53,13 @@ def remarks_before(scenario: Scenario) -> list[str]:
     """
     sentences = [
         *(f"{key} {words}" for key, words in unusual(scenario)),
-        *_speed(scenario),
-        *_rail(scenario),
-        *_line(scenario),
-        *_controller(scenario),
-        *_driver(scenario),
+        *_speed(scenario.vehicle.source, scenario.start.speed),
+        *_rail(scenario.adhesion),
+        *_track(scenario.track),
+        *_controller(scenario.controller),
+        *_driver(() if scenario.demand is None else scenario.demand.phases),
         *_target(scenario),
-        *_faults(scenario),
+        *_faults(scenario.faults),
     ]
     return [
         *(f"{scenario.name}: {sentence}." for sentence in sentences),
@@ -96,10 +98,10 @@ def _late_begin(what: str, begin: float) -> list[str]:
 
 def remarks_on_vehicle(vehicle: VehicleData) -> list[str]:
     """Return the remarks on a vehicle under its controller and on its track."""
-    return [f"{vehicle.scenario.name}: {words}." for words in (*_pressures(vehicle), *_track(vehicle))]
+    return [f"{vehicle.scenario.name}: {words}." for words in (*_pressures(vehicle), *_places(vehicle))]
 
 
-def _track(vehicle: VehicleData) -> Iterator[str]:
+def _places(vehicle: VehicleData) -> Iterator[str]:
     """Yield a sentence if places of wheelsets, or the track under them at the start, are not known."""
     line, behind = vehicle.scenario.track.line, vehicle.formation.wheelset_position
     if vehicle.track_force.is_even:
@@ -193,12 +195,11 @@ def target_of(scenario: Scenario) -> float:
     """Return the distance of the last target of the driver, or of that of the law, from the start [m]; NaN without."""
     phases = () if scenario.demand is None else scenario.demand.phases
     of_driver = [phase.stop_at.distance for phase in phases if phase.stop_at is not None]
-    return _target_of_law(scenario) or (of_driver[-1] if of_driver else nan)
+    return _target_of_law(scenario.controller) or (of_driver[-1] if of_driver else nan)
 
 
-def _target_of_law(scenario: Scenario) -> float:
+def _target_of_law(table: Controller) -> float:
     """Return the parameter `target` that the scenario gives a built-in law [m]; 0 without one."""
-    table = scenario.controller
     given = table.parameters.get("target") if isinstance(table, BuiltInLaw) else None
     return 0.0 if given is None else in_units("[controller.parameters]", {"target": given}, {"target": "m"})["target"]
 
@@ -207,7 +208,7 @@ def _target(scenario: Scenario) -> Iterator[str]:
     """Yield a sentence if the brakes of a train cannot stop it at a target that it approaches from the start."""
     source, speed, target = scenario.vehicle.source, scenario.start.speed, target_of(scenario)
     aim = None if scenario.demand is None or not scenario.demand.phases else scenario.demand.phases[0].stop_at
-    if aim is None and not _target_of_law(scenario):
+    if aim is None and not _target_of_law(scenario.controller):
         return
     shortest, brake = 0.0, "the full_deceleration of [demand.phases[1]] stop_at"
     if aim is not None:
@@ -221,13 +222,12 @@ def _target(scenario: Scenario) -> Iterator[str]:
         )
 
 
-def _speed(scenario: Scenario) -> Iterator[str]:
-    source, highest = scenario.vehicle.source, 0.0
+def _speed(source: Source, speed: float) -> Iterator[str]:
+    highest = 0.0
     if isinstance(source, TrainFile):
         highest = max((stop.speed for stop in load_train(source.file.path).reference), default=0.0)
     elif isinstance(source, RecipePlant) and source.name.startswith("TwoPartTrain"):
         highest = _TOP_SPEED
-    speed = scenario.start.speed
     if highest and speed > _FASTER * highest:
         yield (
             f"[start] speed is {3.6 * speed:.4g} km/h ({speed:g} m/s), and the train is known up to "
@@ -235,13 +235,12 @@ def _speed(scenario: Scenario) -> Iterator[str]:
         )
 
 
-def _rail(scenario: Scenario) -> Iterator[str]:
-    adhesion = scenario.adhesion
+def _rail(adhesion: Adhesion) -> Iterator[str]:
     for key, frictions in {
         "[adhesion] mu0": getattr(adhesion, "mu0", ()),
         **{f"[adhesion.patch[{number}]] mu0": patch.mu0 for number, patch in enumerate(adhesion.patch, start=1)},
     }.items():
-        if len(frictions) > 1 and _falls(frictions):
+        if list(frictions) == sorted(frictions, reverse=True) != sorted(frictions):
             yield f"{key} falls from the leading wheelset to the last; wheels clean the rail for those behind"
     if (conditioning := adhesion.conditioning) is not None and conditioning.recovered < adhesion.lowest:
         yield (
@@ -258,16 +257,12 @@ def _rail(scenario: Scenario) -> Iterator[str]:
                 f"[adhesion.patch[{number}]] from {patch.begin:g} m on {patch.length:g} m reaches into the one that "
                 f"begins at {behind.begin:g} m; length is not the place of the end"
             )
-    if 0.0 < abs(scenario.track.force) < _WEAKEST_FORCE:
-        yield f"[track] force is {scenario.track.force:g} N, which moves no train; a number without a unit is in N"
 
 
-def _falls(values: Sequence[float]) -> bool:
-    return all(first >= second for first, second in pairwise(values)) and values[0] > values[-1]
-
-
-def _line(scenario: Scenario) -> Iterator[str]:
-    line = scenario.track.line
+def _track(track: Track) -> Iterator[str]:
+    if 0.0 < abs(track.force) < _WEAKEST_FORCE:
+        yield f"[track] force is {track.force:g} N, which moves no train; a number without a unit is in N"
+    line = track.line
     steepest = 0.0 if line is None else max((slope for _, slope in line.sections), key=abs)
     if line is not None and abs(steepest) > _STEEP:
         yield (
@@ -276,9 +271,8 @@ def _line(scenario: Scenario) -> Iterator[str]:
         )
 
 
-def _controller(scenario: Scenario) -> Iterator[str]:
+def _controller(table: Controller) -> Iterator[str]:
     """Yield a sentence for each parameter of a built-in law far outside the range of its search."""
-    table = scenario.controller
     if not isinstance(table, BuiltInLaw) or table.kind not in registry.modules(registry.LAWS):
         return
     law = registry.part(registry.LAWS, table.kind, GroupLaw)
@@ -292,22 +286,20 @@ def _controller(scenario: Scenario) -> Iterator[str]:
             yield (f"[controller.parameters] {name} is {value:g}{unit}; its search covers {low:g} to {high:g}{unit}")
 
 
-def _faults(scenario: Scenario) -> Iterator[str]:
+def _faults(faults: Sequence[Fault]) -> Iterator[str]:
     """Yield a sentence for each reading that a fault multiplies by a large factor."""
-    for number, fault in enumerate(scenario.faults, start=1):
-        if isinstance(fault, DistortedReading) and fault.kind == "scaled":
-            factor = amount_of(fault.value, "1", f"[faults[{number}]]")
-            if abs(factor) > _LARGEST_FACTOR:
-                yield (
-                    f"[faults[{number}]] value is {factor:g}, by which the reading of a {fault.part} is multiplied; "
-                    "0.8 makes it 20 % too low"
-                )
+    for where, fault in iterate_faults(faults, DistortedReading):
+        factor = amount_of(fault.value, "1", where) if fault.kind == "scaled" else 0.0
+        if abs(factor) > _LARGEST_FACTOR:
+            yield (
+                f"{where} value is {factor:g}, by which the reading of a {fault.part} is multiplied; 0.8 makes it 20 % "
+                "too low"
+            )
 
 
-def _driver(scenario: Scenario) -> Iterator[str]:
+def _driver(phases: Sequence[Phase]) -> Iterator[str]:
     """Yield a sentence for each condition that ends no phase, because the one of a phase before it is later."""
     latest: dict[str, float] = {}
-    phases = () if scenario.demand is None else scenario.demand.phases
     for number, phase in enumerate(phases, start=1):
         end = phase.until
         if isinstance(end, PhaseEnd) and end.kind in ("time", "distance"):

@@ -179,7 +179,7 @@ def test_a_plant_without_loads_or_positions_is_refused():
     constant_rail(0.1).check_plant(outputs)
     nowhere = replace(TWO_PART_TRAIN, wheelset_position=())
     with pytest.raises(ScenarioError, match=r"has recovery, and the plant does not declare the positions"):
-        position_of(load(LIBRARY / "plain.toml", [WRITTEN]), nowhere)
+        position_of(load(LIBRARY / "plain.toml", [WRITTEN]).adhesion, nowhere)
 
 
 @pytest.fixture(scope="module")
