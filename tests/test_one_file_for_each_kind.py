@@ -1,13 +1,22 @@
-"""A new law, creep curve, kind of sensors, fault or filter is one file in its folder: the registry finds it by name."""
+"""A new law, creep curve, kind of sensors, fault, filter or dynamic brake is one file, found by its name."""
 
 import importlib
 import sys
+import tomllib
 from textwrap import dedent
 
 import pytest
 
 import railgrip as rg
 from railgrip.base import registry
+from railgrip.rolling_stock.calculation import mean_stop
+from railgrip.rolling_stock.calculation_page import calculation_page
+from railgrip.rolling_stock.check import findings
+from railgrip.rolling_stock.modelica import class_text
+from railgrip.rolling_stock.schema import load_train, train_of
+from railgrip.rolling_stock.stopping import developed_forces
+from railgrip.rolling_stock.tables import sentence_of_equipment
+from railgrip.simulate.estimator import body_force_of
 
 LAW = '''
     """A share of full pressure."""
@@ -104,6 +113,52 @@ FILTER = '''
             pass
 '''
 
+HYDRODYNAMIC = '''
+    """Hydrodynamic brakes: force over the square of the speed."""
+
+    from typing import ClassVar, Literal
+
+    import numpy as np
+
+    from railgrip.rolling_stock.brakes import AxleBrake
+
+
+    class Hydrodynamic(AxleBrake):
+        component: ClassVar[str] = "HydrodynamicBrake"
+        kind: Literal["hydrodynamic"]
+        speed_rise: float
+        speed_of_force = property(lambda self: self.speed_rise)
+
+        def law(self, units):
+            return f"v_rise={self.speed_rise}"
+
+        def force_at(self, speed, units=1.0, load=np.inf):
+            return units * self.force * np.minimum((speed / self.speed_rise) ** 2, 1.0) * self.fade(speed)
+'''
+
+AERODYNAMIC = '''
+    """Aerodynamic brakes: air resistance of flaps."""
+
+    from typing import ClassVar, Literal
+
+    from railgrip.rolling_stock.brakes import DynamicBrake, RailBrake
+
+
+    class Aerodynamic(DynamicBrake, RailBrake):
+        component: ClassVar[str] = "AerodynamicBrake"
+        instance: ClassVar[str] = "flaps"
+        kind: Literal["aerodynamic"]
+        drag_area: float
+        performance = property(lambda self: f"{self.drag_area:g} m2")
+        parameters = property(lambda self: f"A={self.drag_area}, T={self.time_constant}")
+
+        def force_at(self, speed, *, within=None):
+            return 0.6 * self.drag_area * speed**2
+
+        def largest(self):
+            return self.force_at(100.0)
+'''
+
 FILES = {
     (registry.LAWS, "share.py"): LAW,
     (registry.LAWS, "share.toml"): "[ideal.read]\nshare = 0.4\n",
@@ -111,6 +166,8 @@ FILES = {
     (registry.SENSORS, "coarse.py"): SENSORS,
     (registry.FAULTS, "belt.py"): FAULT,
     (registry.FILTERS, "stubborn.py"): FILTER,
+    (registry.DYNAMIC_BRAKES, "hydrodynamic.py"): HYDRODYNAMIC,
+    (registry.DYNAMIC_BRAKES, "aerodynamic.py"): AERODYNAMIC,
 }
 
 
@@ -154,7 +211,67 @@ def test_each_kind_is_used_in_a_stop_by_its_name(more):
     assert speeds[-1] == pytest.approx(30 / 3.6)
 
 
+def train_with(**brake):
+    """Return a tram, which has magnets, with a dynamic brake as well."""
+    tables = tomllib.loads(registry.shelf("trains")["tram"].read_text(encoding="utf-8"))
+    tables["dynamic_brakes"] = {"new": {"time_constant": "0.5 s", "estimated": True} | brake}
+    tables["bogies"]["motor"]["dynamic_brake"] = "new"
+    return train_of(tables, "tram.toml")
+
+
+RETARDER = {
+    "kind": "hydrodynamic", "force": "12 kN", "speed_full": "10 km/h", "speed_end": "4 km/h", "speed_rise": 9.0,
+    "blending": "added", "slide_limit": 0.1,
+}  # fmt: skip
+FLAPS = {"kind": "aerodynamic", "drag_area": 8.0}
+
+
+@pytest.mark.parametrize(
+    ("brake", "words", "equations", "forces", "power"),
+    [
+        (
+            RETARDER,
+            "new on 2 bogies: hydrodynamic, 12 kN up to or at 32 km/h, off at 4 km/h",
+            ["HydrodynamicBrake dynamic4(\n    F_max=12000.0, v_rise=9.0, v_full=", "dynamic4.demand = if slid4"],
+            {"dynamic": 4 * 12e3, "rail": 0.0},
+            "motor1.power + motor2.power + motor3.power + motor4.power",
+        ),
+        (
+            FLAPS,
+            "new on 2 bogies: aerodynamic, 8 m2",
+            [
+                "AerodynamicBrake flaps4(\n    A=8.0, T=0.5);",
+                "flaps4.demand = noEvent(if applied and brake_demand >= 1 then flaps4.available else 0);",
+                "track_brake3.force - flaps4.force;",
+            ],
+            {"dynamic": 0.0, "rail": 2 * 0.6 * 8.0 * 20.0**2},
+            "flaps2.force*body1.v + flaps4.force*body1.v",
+        ),
+    ],
+)
+def test_a_kind_of_brake_is_in_plant_calculation_page_check_and_filter(more, brake, words, equations, forces, power):
+    train, plain = train_with(**brake), load_train(registry.shelf("trains")["tram"])
+    assert words in sentence_of_equipment(train)
+    assert not any("[dynamic_brakes" in str(found) for found in findings(train))
+    text = class_text(train, pneumatic=True)
+    assert all(equation in text for equation in [*equations, f"der(dynamic_work) = {power};"])
+    found, magnets = (developed_forces(each, 20.0)(20.0) for each in (train, plain))
+    assert found.dynamic.sum() == pytest.approx(forces["dynamic"])
+    assert found.rail.sum() - magnets.rail.sum() == pytest.approx(forces["rail"])
+    stop = mean_stop(train, 50 / 3.6)
+    assert stop.distance < stop.without_dynamic
+    calculation_page(train, [stop], origin="tram.toml", digest="")
+    force = body_force_of(train, 0.02)
+    for _ in range(500):
+        (known,) = force.call([20.0, 1.0, 1.0, 1.0])
+    assert known == pytest.approx(found.rail.sum(), rel=1e-4)
+
+
 def test_a_wrong_key_is_refused_with_the_keys_of_its_kind(more):
+    with pytest.raises(rg.RailgripError, match=r"\[dynamic_brakes.new\] has no key 'drag'; did you mean 'drag_area'"):
+        train_with(**FLAPS, drag=1.0)
+    with pytest.raises(rg.RailgripError, match=r"has no key 'hydrodynamic'; brakes of the kind 'hydrodynamic' under"):
+        run(hydrodynamic={})
     with pytest.raises(rg.RailgripError, match=r"\[sensors\] has no key 'stp'; did you mean 'step'"):
         run(sensors={"kind": "coarse", "stp": 0.5})
     with pytest.raises(rg.RailgripError, match=r"has no parameter 'sharr'; did you mean 'share'"):
@@ -164,5 +281,7 @@ def test_a_wrong_key_is_refused_with_the_keys_of_its_kind(more):
 
 
 def test_without_its_file_a_kind_does_not_exist():
+    with pytest.raises(rg.RailgripError, match=r"\[dynamic_brakes.new\] kind is 'aerodynamic'; there is eddy_current"):
+        train_with(**FLAPS)
     with pytest.raises(rg.RailgripError, match=r"\[controller\] kind is 'share'; there is adhesion_based"):
         run()

@@ -34,6 +34,9 @@ FILTERS = "railgrip.estimators.filters"
 SENSORS, FAULTS = "railgrip.simulate.sensors", "railgrip.simulate.faults"
 """Packages with a module for each kind of sensors and for the faults of each part of a train."""
 
+DYNAMIC_BRAKES = "railgrip.rolling_stock.dynamic_brakes"
+"""Package with a module for each kind of dynamic brake in train files."""
+
 
 Shelf = Literal["scenarios", "campaigns", "estimations", "trains", "equipment", "curves"]
 """Kinds of files in this package."""

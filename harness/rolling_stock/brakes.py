@@ -5,7 +5,7 @@ block. The law of eddy-current brakes is that of Wouterse (IEE Proceedings B 138
 """
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Final, Literal, Self
@@ -13,8 +13,9 @@ from typing import Annotated, Any, ClassVar, Final, Literal, Self
 import numpy as np
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
+from railgrip.base import registry
 from railgrip.scenario.quantity import UnitRange
-from railgrip.scenario.table import FASTEST, Name, Table, table_error
+from railgrip.scenario.table import FASTEST, Name, Table, by_kind, table_error
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -279,39 +280,38 @@ class BrakeUnit(SourcedTable):
         return self.efficiency * self.rigging * at_piston
 
 
-class TrackBrake(SourcedTable):
-    """The magnetic track brakes of a bogie: RailBraking.Components.MagneticTrackBrake."""
-
-    is_dynamic: ClassVar[bool] = False
-    instance: ClassVar[str] = "track_brake"
-    speed_max: ClassVar[float] = 56.0
-    """Speed above which the plant does not lower it [m/s], its v_max."""
-
-    magnets: Annotated[StrictInt, Field(ge=1, le=8)] = Field(description="number of magnets on the bogie")
-    attraction: Attraction = Field(description="force that attracts one magnet to the rail")
-    friction_slow: Share = Field(description="friction coefficient at standstill")
-    friction_fast: Share = Field(description="friction coefficient at high speed")
-    friction_speed: TravelSpeed = Field(description="speed at which friction is halfway between the two")
-    delay: WireDelay = Field(description="time from the demand until the magnets are on the rail")
-    time_constant: LagTime = Field(description="time constant of the magnetic field")
-
-    def force_at(self, speed: Any) -> Any:
-        """Return the developed force at a speed [m/s] [N]; numbers, arrays or expressions."""
-        friction = self.friction_fast + (self.friction_slow - self.friction_fast) / (1 + speed / self.friction_speed)
-        return self.magnets * self.attraction * friction
-
-    def largest(self) -> float:
-        """Return the maximum force [N]."""
-        return self.magnets * self.attraction * max(self.friction_slow, self.friction_fast)
+Within = Callable[[Any, Any, Any], Any]
+"""Function that returns a value limited to its bounds: of numbers and arrays, or of expressions."""
 
 
-Blending = Literal["valve", "train", "added"]
+def limit(value: Any, low: Any, high: Any) -> Any:
+    """Return numbers or arrays limited to their bounds."""
+    # np.clip takes ten times as long for a number, and a stop by hand has ten thousands of them.
+    return np.minimum(np.maximum(value, low), high)
 
 
-class _DynamicBrake(SourcedTable):
-    """Keys of every dynamic brake, and what its kind states of itself."""
+class DynamicBrake(SourcedTable):
+    """A brake in [dynamic_brakes] of a train file.
 
-    is_dynamic: ClassVar[bool] = True
+    A kind is a subclass that is also an `AxleBrake` or a `RailBrake`, in a module with its name in
+    `railgrip.rolling_stock.dynamic_brakes`, with a component in RailBraking.Components.
+    """
+
+    kind: Any  # each class has its name as a literal
+    time_constant: LagTime = Field(description="time constant of the force")
+
+    @property
+    @abstractmethod
+    def performance(self) -> str:
+        """Its force over speed in words, for `railgrip train check`."""
+
+    def doubts(self) -> Iterator[tuple[str, str]]:
+        """Yield keys whose values contradict each other, with a sentence."""
+        yield from ()
+
+
+class FadingBrake(DynamicBrake):
+    """Keys of dynamic brakes that fade out at low speed."""
 
     force: Annotated[
         float,
@@ -321,12 +321,26 @@ class _DynamicBrake(SourcedTable):
     speed_end: Annotated[float, UnitRange("m/s", at_least=0, at_most=FASTEST)] = Field(
         description="speed at and below which no force is available; in between it fades out linearly"
     )
-    time_constant: LagTime = Field(description="time constant of the force")
 
     @property
     @abstractmethod
     def speed_of_force(self) -> float:
         """Speed up to which, or at which, the force is at its maximum [m/s]."""
+
+    @property
+    def performance(self) -> str:
+        """Its force over speed in words, for `railgrip train check`."""
+        return (
+            f"{self.force / 1e3:g} kN up to or at {3.6 * self.speed_of_force:.0f} km/h, off at "
+            f"{3.6 * self.speed_end:g} km/h"
+        )
+
+    def doubts(self) -> Iterator[tuple[str, str]]:
+        """Yield keys whose values contradict each other, with a sentence."""
+        if self.speed_of_force < self.speed_full:
+            words = f"is {3.6 * self.speed_full:g} km/h, but the force is {self.force / 1e3:g} kN up to or at "
+            words += f"{3.6 * self.speed_of_force:.3g} km/h: the maximum force is never available"
+            yield "speed_full", words
 
     def largest(self, units: float = 1.0, load: float = np.inf) -> float:  # pyright: ignore[reportUnusedParameter]
         """Return the maximum force of a number of brakes on axles with a static load [N]."""
@@ -341,16 +355,18 @@ class _DynamicBrake(SourcedTable):
             )
         return self
 
-    def _fade(self, speed: Any) -> Any:
-        # np.clip takes ten times as long for a number, and a stop by hand has ten thousands of them.
-        return np.minimum(np.maximum((speed - self.speed_end) / (self.speed_full - self.speed_end), 0.0), 1.0)
+    def fade(self, speed: Any, within: Within = limit) -> Any:
+        """Return the share of the force that is available at a speed [m/s]."""
+        return within((speed - self.speed_end) / (self.speed_full - self.speed_end), 0.0, 1.0)
 
 
-class AxleBrake(_DynamicBrake):
+Blending = Literal["valve", "train", "added"]
+
+
+class AxleBrake(FadingBrake):
     """Keys of dynamic brakes that need adhesion.
 
-    A kind is a subclass in `DynamicBrake`, with a component in RailBraking.Components that has F_max, v_full, v_end, T
-    and the parameters of its law.
+    The component of a kind has F_max, v_full, v_end, T and the parameters of its law.
     """
 
     component: ClassVar[str]
@@ -372,8 +388,122 @@ class AxleBrake(_DynamicBrake):
         """Return the force at a speed [m/s] of a number of brakes on axles with a static load [N]."""
 
 
-class _EddyCurrent(_DynamicBrake):
+class RailBrake(SourcedTable):
+    """A brake of a bogie that acts on the rail or in the air, in an emergency; it needs no adhesion.
+
+    Unless a kind overrides `demand`, its component has inputs demand [N] and speed, and outputs available and force.
+    """
+
+    component: ClassVar[str]
+    instance: ClassVar[str]
+    """Name of its instances in a plant, before their number."""
+    condition: ClassVar[Literal["emergency", "magnets"]] = "emergency"
+    """Whether it acts in an emergency brake, or when a law lowers the magnets, too."""
+    speed_max: ClassVar[float] = np.inf
+    """Speed above which it is not switched on [m/s]."""
+
+    time_constant: LagTime = Field(description="time constant of the force")
+
+    @property
+    def is_dynamic(self) -> bool:
+        """Whether it is a dynamic brake, whose work is that of dynamic brakes."""
+        return isinstance(self, DynamicBrake)
+
+    @property
+    def dead_time(self) -> float:
+        """Time from the demand until the force begins to develop [s]."""
+        return 0.0
+
+    @property
+    @abstractmethod
+    def parameters(self) -> str:
+        """Parameters of its component, in Modelica."""
+
+    def demand(self, name: str, condition: str) -> str:
+        """Return the equation of the input of an instance, which acts under a condition, in Modelica."""
+        return f"{name}.demand = noEvent(if {condition} then {name}.available else 0)"
+
+    @abstractmethod
+    def force_at(self, speed: Any, *, within: Within = limit) -> Any:
+        """Return the developed force at a speed [m/s] [N]; `within` limits values, for speeds that are expressions."""
+
+    @abstractmethod
+    def largest(self) -> float:
+        """Return the maximum force [N]."""
+
+    def force_after(self, time: Any, speed: Any) -> Any:
+        """Return the force [N] a time after the demand [s] at a speed [m/s]; numbers or arrays."""
+        developed = -np.expm1(-np.maximum(time - self.dead_time, 0.0) / self.time_constant)
+        return developed * (speed <= self.speed_max) * self.force_at(speed)
+
+    # A filter has the dynamics of the component; the lag of most of them is that of the force.
+    def lag_input(self, command: Any, full: Any) -> Any:
+        """Return the input of the component's lag, for a command, 0 or 1, and the developed force [N]."""
+        return command * full
+
+    def force_of_lag(self, lagged: Any, full: Any, *, within: Within = limit) -> Any:
+        """Return the force [N] for the output of the component's lag and the developed force [N]."""
+        return within(lagged, 0.0, full)
+
+
+class TrackBrake(RailBrake):
+    """The magnetic track brakes of a bogie: RailBraking.Components.MagneticTrackBrake."""
+
+    component: ClassVar[str] = "MagneticTrackBrake"
+    instance: ClassVar[str] = "track_brake"
+    condition: ClassVar[Literal["emergency", "magnets"]] = "magnets"
+    speed_max: ClassVar[float] = 56.0
+    """Speed above which the plant does not lower it [m/s], its v_max."""
+
+    magnets: Annotated[StrictInt, Field(ge=1, le=8)] = Field(description="number of magnets on the bogie")
+    attraction: Attraction = Field(description="force that attracts one magnet to the rail")
+    friction_slow: Share = Field(description="friction coefficient at standstill")
+    friction_fast: Share = Field(description="friction coefficient at high speed")
+    friction_speed: TravelSpeed = Field(description="speed at which friction is halfway between the two")
+    delay: WireDelay = Field(description="time from the demand until the magnets are on the rail")
+    time_constant: LagTime = Field(description="time constant of the magnetic field")
+
+    @property
+    def dead_time(self) -> float:
+        """Time from the demand until the force begins to develop [s]."""
+        return self.delay
+
+    @property
+    def parameters(self) -> str:
+        """Parameters of its component, in Modelica."""
+        return (
+            f"n_magnets={self.magnets}, F_attraction={self.attraction}, mu_stand={self.friction_slow},\n"
+            f"    mu_fast={self.friction_fast}, v_friction={self.friction_speed}, final delay={self.delay},\n"
+            f"    T={self.time_constant}"
+        )
+
+    def demand(self, name: str, condition: str) -> str:
+        """Return the equation of the input of an instance, which acts under a condition, in Modelica."""
+        return f"{name}.command = noEvent(if {condition} then 1 else 0)"
+
+    def force_at(self, speed: Any, *, within: Within = limit) -> Any:  # pyright: ignore[reportUnusedParameter]
+        """Return the developed force at a speed [m/s] [N]; numbers, arrays or expressions."""
+        friction = self.friction_fast + (self.friction_slow - self.friction_fast) / (1 + speed / self.friction_speed)
+        return self.magnets * self.attraction * friction
+
+    def largest(self) -> float:
+        """Return the maximum force [N]."""
+        return self.magnets * self.attraction * max(self.friction_slow, self.friction_fast)
+
+    # Its lag is that of the magnetic field, a share of the full one.
+    def lag_input(self, command: Any, full: Any) -> Any:  # pyright: ignore[reportUnusedParameter]
+        """Return the input of the component's lag, for a command, 0 or 1, and the developed force [N]."""
+        return command
+
+    def force_of_lag(self, lagged: Any, full: Any, *, within: Within = limit) -> Any:  # pyright: ignore[reportUnusedParameter]
+        """Return the force [N] for the output of the component's lag and the developed force [N]."""
+        return lagged * full
+
+
+class EddyCurrent(FadingBrake):
     """Keys of eddy-current brakes."""
+
+    component: ClassVar[str] = "EddyCurrentBrake"
 
     speed_peak: TravelSpeed = Field(description="speed at which the force is at its maximum")
 
@@ -382,69 +512,16 @@ class _EddyCurrent(_DynamicBrake):
         """Speed at which the force is at its maximum [m/s]."""
         return self.speed_peak
 
-    def force_at(self, speed: Any, units: float = 1.0, load: float = np.inf) -> Any:  # pyright: ignore[reportUnusedParameter]
-        """Return the force at a speed [m/s] of a number of brakes together [N]; numbers or arrays."""
-        return units * self.before_fade(speed) * self._fade(speed)
-
-    def before_fade(self, speed: Any) -> Any:
-        """Return the force of a brake without its fade-out at low speed [N]; numbers, arrays or expressions."""
-        return self.force * (2 * self.speed_peak * speed / (self.speed_peak**2 + speed**2))
+    def force_of(self, units: float, speed: Any, within: Within = limit) -> Any:
+        """Return the force of a number of brakes at a speed [m/s] [N]; numbers, arrays or expressions."""
+        of_one = self.force * (2 * self.speed_peak * speed / (self.speed_peak**2 + speed**2))
+        return units * of_one * self.fade(speed, within)
 
 
-class Electrodynamic(AxleBrake):
-    """Traction motors as generators: RailBraking.Components.ElectrodynamicBrake."""
-
-    component: ClassVar[str] = "ElectrodynamicBrake"
-    kind: Literal["electrodynamic"]
-    power: Annotated[
-        float,
-        UnitRange("W", at_least=1e3, at_most=1e7, usual=(3e4, 2e6), because="axles brake with 50 kW to 1.6 MW"),
-    ] = Field(description="maximum power at the rim of an axle: above power/force the force is power/speed")
-    adhesion_limit: Annotated[float, UnitRange("1", at_least=0.02, at_most=0.5)] | None = Field(
-        default=None, description="adhesion on the static load of its axles to which the force is limited"
-    )
-
-    @property
-    def speed_of_force(self) -> float:
-        """Speed above which the power limits the force [m/s]."""
-        return self.power / self.force
-
-    def law(self, units: float) -> str:
-        """Return the parameters of the component's law for a number of brakes, in Modelica."""
-        return f"P_max={units * self.power:.10g}"
-
-    def largest(self, units: float = 1.0, load: float = np.inf) -> float:
-        """Return the maximum force of a number of brakes on axles with a static load [N]."""
-        return min(units * self.force, np.inf if self.adhesion_limit is None else self.adhesion_limit * load)
-
-    def force_at(self, speed: Any, units: float = 1.0, load: float = np.inf) -> Any:
-        """Return the force at a speed [m/s] of a number of brakes on axles with a static load [N]."""
-        by_power = units * self.power / np.maximum(speed, 1e-3)
-        return np.minimum(self.largest(units, load), by_power) * self._fade(speed)
-
-
-class EddyCurrentAxle(_EddyCurrent, AxleBrake):
-    """A rotating eddy-current brake on the discs of an axle: RailBraking.Components.EddyCurrentBrake."""
-
-    component: ClassVar[str] = "EddyCurrentBrake"
-    kind: Literal["eddy_current_axle"]
-
-    def law(self, units: float) -> str:  # pyright: ignore[reportUnusedParameter]
-        """Return the parameters of the component's law for a number of brakes, in Modelica."""
-        return f"v_peak={self.speed_peak}"
-
-
-class EddyCurrentRail(_EddyCurrent):
-    """The linear eddy-current brake of a bogie, used in an emergency: RailBraking.Components.EddyCurrentBrake."""
-
-    instance: ClassVar[str] = "eddy_current"
-    delay: ClassVar[float] = 0.0
-    speed_max: ClassVar[float] = np.inf
-    kind: Literal["eddy_current_rail"]
-
-
-DynamicBrake = Annotated[Electrodynamic | EddyCurrentAxle | EddyCurrentRail, Field(discriminator="kind")]
-RailBrake = TrackBrake | EddyCurrentRail
+def kinds_of_dynamic_brakes() -> dict[str, type[Table]]:
+    """Return kind → table of all dynamic brakes."""
+    brakes = (kind for base in (AxleBrake, RailBrake) for kind in registry.parts(registry.DYNAMIC_BRAKES, base))
+    return by_kind(*brakes)
 
 
 class ParkingBrake(SourcedTable):

@@ -299,10 +299,8 @@ def _dynamic(train: Train) -> Iterator[TrainRemark]:
         where = f"[dynamic_brakes.{kind}]"
         if kind not in used:
             yield TrainRemark(where, "is on no bogie: name it as dynamic_brake in a table of [bogies]", wrong=False)
-        if brake.speed_of_force < brake.speed_full:
-            words = f"is {3.6 * brake.speed_full:g} km/h, but the force is {brake.force / 1e3:g} kN up to or at "
-            words += f"{3.6 * brake.speed_of_force:.3g} km/h: the maximum force is never available"
-            yield TrainRemark(f"{where} speed_full", words, wrong=False)
+        for key, words in brake.doubts():
+            yield TrainRemark(f"{where} {key}", words, wrong=False)
 
 
 def _stops(train: Train) -> Iterator[TrainRemark]:

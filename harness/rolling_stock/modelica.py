@@ -81,15 +81,7 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
             for body in range(body_of_car[-1] + 1)
         ],
         couplers=[train.couplers[car.coupler] for car in train.cars if car.coupler],
-        rail_brakes=[
-            {
-                "name": f"{brake.instance}{number}",
-                "brake": brake,
-                "is_magnetic": not brake.is_dynamic,
-                "body": body_of_car[bogie.cars[0]] + 1,
-            }
-            for number, (bogie, _, brake) in enumerate(train.rail_brakes, start=1)
-        ],
+        **_rail_brakes(train, body_of_car),
         **_blended(train, body_of_car, pneumatic=pneumatic),
         commands=_sharing(train.groups_per_valve),
         array=_array,
@@ -186,8 +178,6 @@ def _blended(train: Train, body_of_car: Sequence[int], *, pneumatic: bool) -> di
     """Return dynamic brakes, relieved valves, and the expressions that connect them."""
     dynamics, supply = _dynamic_brakes(train, body_of_car), _command(train, body_of_car)["supply_of_group"]
     blending = _blending(train)
-    names = [f"{b.instance}{i}" for i, (*_, b) in enumerate(train.rail_brakes, 1) if b.is_dynamic]
-    bodies = [body_of_car[b.cars[0]] + 1 for b, _, brake in train.rail_brakes if brake.is_dynamic]
 
     def demanded(group: int, valve: range) -> str:
         if pneumatic and train.command is None:
@@ -198,16 +188,29 @@ def _blended(train: Train, body_of_car: Sequence[int], *, pneumatic: bool) -> di
     def of_place(member: str, place: int) -> str:
         return " + ".join(f"dynamic{i}.{member}" for i, d in enumerate(dynamics, 1) if d["place"] == place) or "0"
 
-    rail = [f"{name}.force*body{body}.v" for name, body in zip(names, bodies, strict=True)]
     return {
         "dynamics": dynamics,
         "blending": blending,
         "relieved": {group: place for place, valve in enumerate(blending, 1) for group in valve.groups},
         "demanded": demanded,
         "of_place": of_place,
-        "eddy_currents": names,
-        "dynamic_power": " + ".join([*(f"motor{i}.power" for i in range(1, len(dynamics) + 1)), *rail]),
     }
+
+
+def _rail_brakes(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
+    """Return the brakes on the rail with the equations of their demands, and the power of all dynamic brakes."""
+    conditions = {
+        "emergency": "applied and brake_demand >= 1" if train.command else "applied",
+        "magnets": "applied and magnets > 0.5",
+    }
+    powers = [f"motor{number}.power" for number in range(1, len(train.dynamic_groups) + 1)]
+    brakes: list[dict[str, object]] = []
+    for number, (bogie, _, brake) in enumerate(train.rail_brakes, start=1):
+        name, body = f"{brake.instance}{number}", body_of_car[bogie.cars[0]] + 1
+        demand = brake.demand(name, conditions[brake.condition])
+        brakes.append({"name": name, "brake": brake, "body": body, "demand": demand})
+        powers += [f"{name}.force*body{body}.v"] if brake.is_dynamic else []
+    return {"rail_brakes": brakes, "dynamic_power": " + ".join(powers)}
 
 
 class _RelievedValve(NamedTuple):

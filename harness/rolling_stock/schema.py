@@ -33,13 +33,14 @@ from railgrip.rolling_stock.brakes import (
     TrackBrake,
     TravelSpeed,
     WireDelay,
+    kinds_of_dynamic_brakes,
 )
 from railgrip.rolling_stock.dispersion import Dispersion, Failures
 from railgrip.scenario.file import locate
 from railgrip.scenario.load import read_toml, require_kind, validate_table
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.surface import Sander
-from railgrip.scenario.table import Length, Name, Table, optional, table_error
+from railgrip.scenario.table import ByKind, Length, Name, Table, optional, table_error
 
 # Values outside the limits are refused: they have a wrong unit, or are of another part. Values outside the usual range
 # are valid, and `railgrip.rolling_stock.check` remarks on them.
@@ -651,7 +652,7 @@ class BogieInTrain:
         brakes: list[tuple[str, RailBrake]] = []
         if self.track_brake is not None:
             brakes.append((str(self.data.track_brake), self.track_brake))
-        if self.dynamic_brake is not None and not isinstance(self.dynamic_brake, AxleBrake):
+        if isinstance(self.dynamic_brake, RailBrake):
             brakes.append((str(self.data.dynamic_brake), self.dynamic_brake))
         return tuple(brakes)
 
@@ -694,7 +695,7 @@ class Train(Table):
     blocks: dict[Name, Blocks] = Field(default={}, description="kinds of brake blocks, by name")
     brakes: dict[Name, BrakeUnit] = Field(description="kinds of brake units, by name")
     track_brakes: dict[Name, TrackBrake] = Field(default={}, description="kinds of magnetic track brakes, by name")
-    dynamic_brakes: dict[Name, DynamicBrake] = Field(
+    dynamic_brakes: dict[Name, Annotated[DynamicBrake, ByKind(kinds_of_dynamic_brakes)]] = Field(
         default={}, description="kinds of electrodynamic and eddy-current brakes, by name"
     )
     parking_brakes: dict[Name, ParkingBrake] = Field(default={}, description="kinds of parking brakes, by name")
@@ -745,7 +746,7 @@ class Train(Table):
                     raise table_error(f"[bogies.{kind}] {key}_units needs {key}_brake")
                 if not any(units):
                     raise table_error(f"[bogies.{kind}] {key}_units has only zeros: leave out {key}_brake")
-            is_on_rail = bogie.dynamic_brake and not isinstance(self.dynamic_brakes[bogie.dynamic_brake], AxleBrake)
+            is_on_rail = bogie.dynamic_brake and isinstance(self.dynamic_brakes[bogie.dynamic_brake], RailBrake)
             if is_on_rail and bogie.dynamic_units != (1,):
                 raise table_error(
                     f"[bogies.{kind}] dynamic_units: a brake on the rail belongs to the bogie, not to axles"

@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 from railgrip.base.arrays import Matrix, Vector
 from railgrip.base.errors import InputError
 from railgrip.base.units import GRAVITY
-from railgrip.rolling_stock.brakes import CONSTANT, SHAPE, BlockLaw, RailBrake
+from railgrip.rolling_stock.brakes import CONSTANT, SHAPE, BlockLaw
 from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, Train
 from railgrip.scenario.table import Table
 
@@ -126,7 +126,7 @@ def _stop_of(data: _Data, speed: float, developed: bool, dynamic: bool) -> HandC
         friction, electric = rims.at(v, build_up.share(now, v), inf if developed else _STEP)
         braking = friction + electric + rolling
         since = np.where([v > kind.speed_max for kind in kinds], t + _STEP, since)
-        each = [_rail_force(kind, v, now - begin) for kind, begin in zip(kinds, since.tolist(), strict=True)]
+        each = [kind.force_after(now - begin, v) for kind, begin in zip(kinds, since.tolist(), strict=True)]
         rail = np.array(each, dtype=float)[kind_of_rail]
         drag = _drag(train, v)
         deceleration = (float(braking.sum()) + float(rail.sum()) + drag) / inert
@@ -203,7 +203,7 @@ def scattered_distances(train: Train, speed: float, deviations: Mapping[str, Mat
         force = _friction_force(brakes, v[:, None], pads).sum(axis=1) + rolling + _drag(train, v)
         for place, (brake, axle) in enumerate(on_rail):
             since[place] = np.where(v > brake.speed_max, (t + _STEP) / slower[:, axle], since[place])
-            force += deviations["track_brake"][:, axle] * _rail_force(brake, v, now[:, axle] - since[place])
+            force += deviations["track_brake"][:, axle] * brake.force_after(now[:, axle] - since[place], v)
         deceleration = force / inert
         last = deceleration * _STEP >= v
         step = np.where(last, v / np.maximum(deceleration, 1e-12), _STEP)
@@ -298,7 +298,7 @@ def developed_forces(train: Train, start: float, *, dynamic: bool = True) -> Cal
         shares = [1.0 if d is None or (start >= d.speed_up and speed >= d.speed_down) else d.low_share for d in stages]
         friction, electric = rims.at(speed, np.array(shares), inf)
         left, _ = rims.blend(speed, np.array(shares), inf)
-        rail = [_rail_force(b, speed, inf) if dynamic or not b.is_dynamic else 0.0 for b in on_rail]
+        rail = [b.force_after(inf, speed) if dynamic or not b.is_dynamic else 0.0 for b in on_rail]
         resistance = rolling + _drag(train, speed)
         return DevelopedForces(
             friction=friction, dynamic=electric, left=left, rail=np.array(rail), resistance=resistance
@@ -323,7 +323,7 @@ def response_times(train: Train) -> tuple[Vector, Vector]:
             arrival = np.array([axle.position for axle in axles]) / _front_speed(train, pipe)
             filling, inshot = np.array([train.filling_of_car[axle.car] for axle in axles]).T
             times = arrival + filling / (_FILLED - inshot) * (1 - inshot) ** 2 / 2
-    return times, np.array([brake.delay + brake.time_constant for *_, brake in train.rail_brakes])
+    return times, np.array([brake.dead_time + brake.time_constant for *_, brake in train.rail_brakes])
 
 
 def _require_end(train: Train, speed: float, time: float) -> None:
@@ -521,12 +521,6 @@ class _StageRelays:
         target = np.where(speed < self._down, self._low, self._share)
         self._share = self._share + self._progress * (target - self._share)
         return self._share
-
-
-def _rail_force(brake: RailBrake, speed: Any, time: Any) -> Any:
-    """Return the force of a bogie's brakes on the rail [N], `time` [s] after the demand; numbers or arrays."""
-    developed = -np.expm1(-np.maximum(time - brake.delay, 0.0) / brake.time_constant)
-    return developed * (speed <= brake.speed_max) * brake.force_at(speed)
 
 
 _BRAKE = ("piston_area", "rigging", "efficiency", "spring_force", "pressure_max", "pad_friction")

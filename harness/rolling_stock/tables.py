@@ -72,10 +72,7 @@ def sentence_of_equipment(train: Train) -> str:
     words: list[str] = []
     for name, count in Counter(b.data.dynamic_brake for b in train.bogies_in_train if b.dynamic_brake).items():
         brake = train.dynamic_brakes[str(name)]
-        words.append(
-            f"{name} on {count} bogies: {brake.kind.replace('_', ' ')}, {brake.force / 1e3:g} kN up to or at "
-            f"{3.6 * brake.speed_of_force:.0f} km/h, off at {3.6 * brake.speed_end:g} km/h"
-        )
+        words.append(f"{name} on {count} bogies: {brake.kind.replace('_', ' ')}, {brake.performance}")
     for kind, count in Counter(car.distributor for car in train.cars if car.distributor).items():
         distributor, parts = train.distributors[kind], list[str]()
         if distributor.fill_time is not None:

@@ -18,7 +18,7 @@ from pydantic_core import ErrorDetails
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.files import read_text
 from railgrip.base.names import did_you_mean
-from railgrip.base.registry import shelf
+from railgrip.base.registry import DYNAMIC_BRAKES, modules, shelf
 from railgrip.base.tables import TomlTable
 from railgrip.base.units import cut, place, short
 from railgrip.scenario.file import (
@@ -133,7 +133,8 @@ def _place(
             continue
         keys = sorted({name for branch in branches for name in branch.model_fields})
         if isinstance(node, Mapping):
-            fields = [branch.model_fields[str(step)] for branch in branches if step in branch.model_fields]
+            # The name of an entry of a table of tables is not a field.
+            fields = [branch.model_fields[str(step)] for branch in branches if step in branch.model_fields] or fields
             node = node.get(step)
         elif isinstance(step, int) and step < len(node):
             node = node[step]
@@ -224,6 +225,11 @@ UNSUPPORTED: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
 def explain_unsupported(key: str) -> str:
     """Return a sentence on a key for unsupported equipment; empty for any other key."""
     name = re.sub(r"[\s.-]+", "_", key).casefold()
+    if name in modules(DYNAMIC_BRAKES):
+        return (
+            f"brakes of the kind '{name}' under this name are not supported here; in a train file, "
+            f"[dynamic_brakes.NAME] has kind = '{name}', and a bogie names it: dynamic_brake = 'NAME'"
+        )
     found = next((words for pattern, words in UNSUPPORTED.items() if re.fullmatch(pattern, name)), None)
     return f"{found[0]} not supported here; {found[1]}" if found else ""
 

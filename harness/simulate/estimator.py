@@ -26,7 +26,6 @@ from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmi import Description, FmuPrediction, SteppedFmuPrediction, foreign_code
 from railgrip.fmus.native import Model
 from railgrip.fmus.recipe import FmiType
-from railgrip.rolling_stock.brakes import TrackBrake
 from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.onboard import KalmanFilter
@@ -338,9 +337,8 @@ _DELAY_PERIOD = 0.01  # s, of its RailBraking.Pneumatics.DelayLine
 def body_force_of(train: Train, period: float) -> Sampled | None:
     """Return the braking force on the body of a train [N], called every `period` [s]; None without any.
 
-    Inputs are `BODY_FORCE_INPUTS`. The forces are those of RailBraking.Components.MagneticTrackBrake and
-    EddyCurrentBrake, and of the plant's linear resistance, with the data of the train file, which is what an onboard
-    computer can know.
+    Inputs are `BODY_FORCE_INPUTS`. The forces are those of the component of each `RailBrake`, and of the plant's
+    linear resistance, with the data of the train file, which is what an onboard computer can know.
     """
     if not train.rail_brakes and not train.linear_resistance:
         return None
@@ -352,45 +350,41 @@ def _formula(train: Train, period: float) -> SampledSystem:
     draft = FormulaBuilder()
     ((speed,), (braking,), (emergency,), (magnets,)) = draft.vector(BODY_FORCE_INPUTS, 1)
     speed = choose(speed > 0.0, speed, 0.0)
-    on_magnets: Expression = 0.0
-    on_eddy_currents: Expression = 0.0
-    delayed: dict[float, Expression] = {}
+    conditions: dict[str, Expression] = {}
+    commands: dict[tuple[str, float, float], Expression] = {}
     force: Expression = 0.0
     if train.rail_brakes:
         before = draft.state("applied", "1", "1 once the brakes have been applied")
         applied = either(before > 0.5, braking > 0.5)
         draft.keep(before, choose(applied, 1.0, 0.0))
-        on_magnets = choose(every(applied, magnets > 0.5, speed <= TrackBrake.speed_max), 1.0, 0.0)
-        on_eddy_currents = choose(every(applied, emergency > 0.5), 1.0, 0.0)
+        conditions = {"magnets": every(applied, magnets > 0.5), "emergency": every(applied, emergency > 0.5)}
     for number, (*_, brake) in enumerate(train.rail_brakes, start=1):
-        lagged = draft.state(f"lagged[{number}]", "1", "field over the full one, or force of an eddy-current brake [N]")
-        if isinstance(brake, TrackBrake):
-            if brake.delay not in delayed:
-                delayed[brake.delay] = _delay(draft, on_magnets, brake.delay, period)
-            target, full = delayed[brake.delay], brake.force_at(speed)
-        else:
-            # As `force_at` of such a brake, whose limits are those of NumPy.
-            fade = within((speed - brake.speed_end) / (brake.speed_full - brake.speed_end), 0.0, 1.0)
-            full = brake.before_fade(speed) * fade
-            target = on_eddy_currents * full
-        now = lagged + period / (brake.time_constant + period) * (target - lagged)
+        lagged = draft.state(f"lagged[{number}]", "1", "field over the full one, or force [N]")
+        key = brake.condition, brake.speed_max, brake.dead_time
+        if key not in commands:
+            is_on = every(conditions[brake.condition], speed <= brake.speed_max)
+            commands[key] = _delay(draft, len(commands) + 1, choose(is_on, 1.0, 0.0), brake.dead_time, period)
+        full = brake.force_at(speed, within=within)
+        now = lagged + period / (brake.time_constant + period) * (brake.lag_input(commands[key], full) - lagged)
         draft.keep(lagged, now)
-        force += now * full if isinstance(brake, TrackBrake) else choose(now < full, now, full)
+        force += brake.force_of_lag(now, full, within=within)
     force = train.linear_resistance * speed + force * within(speed / _STANDING, 0.0, 1.0)
     draft.output("force", "N", "braking force on the body", force)
     return draft.formula("BodyForce", "Force of brakes on the rail itself and of linear resistance")
 
 
-def _delay(draft: FormulaBuilder, command: Expression, delay: float, period: float) -> Expression:
-    """Return a command after a delay [s], sampled and interpolated as by RailBraking.Pneumatics.DelayLine."""
+def _delay(draft: FormulaBuilder, number: int, command: Expression, delay: float, period: float) -> Expression:
+    """Return a numbered command after a delay [s], sampled and interpolated as by RailBraking.Pneumatics.DelayLine."""
+    if not delay:
+        return command
     step = max(period, _DELAY_PERIOD)
-    clock = draft.state(f"clock[{delay:g}]", "s", "since the command of magnets was sampled", start=step)
+    clock = draft.state(f"clock[{number}]", "s", "since the command was sampled", start=step)
     is_due = clock > step - 0.5 * period
     draft.keep(clock, choose(is_due, clock - step, clock) + period)
     result: Expression = 0.0
     newer = command
     for place in range(ceil(delay / step) + 1):
-        sample = draft.state(f"command[{delay:g},{place + 1}]", "1", "sampled command of magnets, the newest first")
+        sample = draft.state(f"command[{number},{place + 1}]", "1", "sampled command, the newest first")
         now = choose(is_due, newer, sample)
         draft.keep(sample, now)
         result += max(0.0, 1.0 - abs(delay / step - place)) * now

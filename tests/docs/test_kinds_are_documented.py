@@ -15,7 +15,6 @@ from railgrip.estimation.spec import LIBRARY as ESTIMATION_LIBRARY
 from railgrip.estimation.spec import load_specification, settings_for
 from railgrip.estimators.design import NOISE_SETS
 from railgrip.rolling_stock.brakes import LAWS as BLOCK_LAWS
-from railgrip.rolling_stock.brakes import DynamicBrake
 from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, Train
 from railgrip.scenario.faults import Fault
 from railgrip.scenario.file import NamedFile
@@ -51,7 +50,7 @@ ON_PAGES = {
         *(name for name, field in Train.model_fields.items() if field.annotation is not str),
         *kinds_of((BrakePipe, Electropneumatic)),
         *BLOCK_LAWS,
-        *kinds_of(get_args(get_args(DynamicBrake)[0])),
+        *registry.modules(registry.DYNAMIC_BRAKES),
         *(name for package in ("Components", "Pneumatics") for name in classes_of(package) if "Brake" in name),
     ],
     "**/*.md": [*kinds_of(registry.parts(registry.SENSORS, SensorModel)), *registry.names("studies")],

@@ -3,7 +3,6 @@
 import json
 import re
 from pathlib import Path
-from typing import ClassVar, get_args
 
 import numpy as np
 import pytest
@@ -12,13 +11,14 @@ from synthetic import MOTOR
 from typer.testing import CliRunner
 
 from railgrip.base.errors import InputError, ScenarioError
-from railgrip.base.registry import shelf
+from railgrip.base.registry import DYNAMIC_BRAKES, modules, shelf
 from railgrip.cli.app import app
 from railgrip.estimation.models import of_train
-from railgrip.rolling_stock.brakes import AxleBrake, DynamicBrake, EddyCurrentRail, Electrodynamic
 from railgrip.rolling_stock.calculation import mean_stop, parking
 from railgrip.rolling_stock.calculation_page import calculation_page
 from railgrip.rolling_stock.check import findings
+from railgrip.rolling_stock.dynamic_brakes.eddy_current_rail import EddyCurrentRail
+from railgrip.rolling_stock.dynamic_brakes.electrodynamic import Electrodynamic
 from railgrip.rolling_stock.modelica import class_text
 from railgrip.rolling_stock.schema import Train, load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand, developed_forces, response_times
@@ -284,36 +284,6 @@ def test_the_class_of_a_train_has_its_brakes(electric):
     )
 
 
-class Hydrodynamic(AxleBrake):
-    """A kind of which no other module of railgrip knows: force over the square of the speed."""
-
-    component: ClassVar[str] = "HydrodynamicBrake"
-    kind: str = "hydrodynamic"
-    speed_rise: float
-    speed_of_force = property(lambda self: self.speed_rise)
-
-    def law(self, units):
-        return f"v_rise={self.speed_rise}"
-
-    def force_at(self, speed, units=1.0, load=np.inf):
-        return units * self.force * np.minimum((speed / self.speed_rise) ** 2, 1.0) * self._fade(speed)
-
-
-@pytest.mark.filterwarnings("ignore:Pydantic serializer")
-def test_a_new_kind_of_brake_is_one_class(electric):
-    train = with_brake(electric, blending="added")
-    keys = train.dynamic_brakes["motor"].model_dump(exclude={"kind", "power", "adhesion_limit"})
-    train = train.model_copy(update={"dynamic_brakes": {"motor": Hydrodynamic(speed_rise=9.0, **keys)}})
-    for name in train.__dict__.keys() - Train.model_fields.keys():  # what was computed from the other brake
-        del train.__dict__[name]
-    assert "motor on 2 bogies: hydrodynamic, 12 kN up to or at 32 km/h" in sentence_of_equipment(train)
-    assert not any("[dynamic_brakes" in str(found) for found in findings(train))
-    assert "HydrodynamicBrake dynamic1(" in class_text(train, pneumatic=True)
-    assert developed_forces(train, SPEED)(20.0).dynamic.sum() == pytest.approx(4 * 12e3)
-    assert mean_stop(train, SPEED).distance < mean_stop(train, SPEED).without_dynamic
-    calculation_page(train, [mean_stop(train, SPEED)], origin="new.toml", digest="")
-
-
 def test_a_filter_refuses_a_train_whose_axles_brake_electrically(tmp_path):
     file = electric_file(tmp_path)
     with pytest.raises(InputError, match=r"has \[dynamic_brakes\] on its axles"):
@@ -330,8 +300,7 @@ def test_the_package_has_ten_trains_and_one_of_each_brake():
     assert len(trains) >= 10
     bogies = [bogie for train in trains.values() for bogie in train.bogies_in_train]
     dynamic = {bogie.dynamic_brake.kind for bogie in bogies if bogie.dynamic_brake}
-    kinds = [get_args(kind.model_fields["kind"].annotation) for kind in get_args(get_args(DynamicBrake)[0])]
-    assert dynamic == {kind for (kind,) in kinds}
+    assert dynamic == set(modules(DYNAMIC_BRAKES))
     laws = {blocks.law for train in trains.values() for blocks in train.blocks.values()}
     assert laws >= {"cast_iron_p10", "composite_k"}
     assert any(bogie.brake.pads for bogie in bogies)
