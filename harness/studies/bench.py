@@ -12,6 +12,7 @@ from time import perf_counter, process_time
 from typing import Final
 
 import numpy as np
+import pandas
 from numpy.typing import NDArray
 
 from railgrip.base.cache import VARIABLE
@@ -49,6 +50,7 @@ from railgrip.fmi.mapping import Binding, Port, bind
 from railgrip.fmi.trials import seconds_in_c, seconds_of_fmpy, seconds_of_railgrip
 from railgrip.fmus.build import build, build_class, fmu
 from railgrip.fmus.recipe import read_recipes
+from railgrip.report.frame import Frame
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import Campaign, PlannedStop
@@ -94,17 +96,16 @@ def microseconds(
     return median(durations)
 
 
+def in_turn(calls: Mapping[str, Callable[[], float]], rounds: int) -> Frame:
+    """Return what calls return that are made in turn, with a row for each round."""
+    return pandas.DataFrame([{name: call() for name, call in calls.items()} for _ in range(rounds)])
+
+
 def machine() -> str:
     """Return processor, number of cores and load, which are required to interpret times."""
-    name = "unknown processor"
     cpuinfo = Path("/proc/cpuinfo")
-    if cpuinfo.exists():
-        models = [
-            line.partition(":")[2].strip()
-            for line in cpuinfo.read_text(encoding="utf-8").splitlines()
-            if "model name" in line
-        ]
-        name = models[0] if models else name
+    lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.exists() else []
+    name = next((line.partition(":")[2].strip() for line in lines if "model name" in line), "unknown processor")
     load = f", load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
     return f"{name}, {os.cpu_count()} cores{load}"
 
@@ -112,19 +113,14 @@ def machine() -> str:
 def steps_of(recipe: str, share: float) -> Iterator[Row]:
     """Yield the time of set + step of 1 ms + get of a recipe by each interface."""
     times = step_times(fmu(recipe), count=part(2000, share), rounds=part(9, share))
-
-    def over_ours(way: str) -> str:
-        return f"{median(a / b for a, b in zip(times[way], times['ours'], strict=True)):.2f}"
-
-    ours_over_c = median(a / b for a, b in zip(times["ours"], times["c"], strict=True))
-    yield f"{recipe}: set + step of 1 ms + get, ours", f"{median(times['ours']):.1f} µs", ""
-    yield "  the same in a loop in C", f"{median(times['c']):.1f} µs", "10 µs"
-    yield "  FMPy's FMU2Slave over ours", over_ours("fmpy"), ""
-    yield "  ours over C", f"{ours_over_c:.2f}", ""
+    yield f"{recipe}: set + step of 1 ms + get, ours", f"{times['ours'].median():.1f} µs", ""
+    yield "  the same in a loop in C", f"{times['c'].median():.1f} µs", "10 µs"
+    yield "  FMPy's FMU2Slave over ours", f"{(times['fmpy'] / times['ours']).median():.2f}", ""
+    yield "  ours over C", f"{(times['ours'] / times['c']).median():.2f}", ""
 
 
-def step_times(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: int = 9) -> dict[str, list[float]]:
-    """Step an FMU by each interface in turn, repeatedly; return interface → time of a step in each round [µs].
+def step_times(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: int = 9) -> Frame:
+    """Step an FMU by each interface in turn, repeatedly; return a column of times of a step for each of them [µs].
 
     Every run begins with the start values, so that all do the same work, and all must end with the same outputs.
 
@@ -138,17 +134,14 @@ def step_times(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: i
     """
     description = describe(file)
     binding, inputs = every_real(description, {})
-    run: dict[str, Callable[..., tuple[float, np.ndarray]]] = {
-        "ours": seconds_of_railgrip,
-        "fmpy": seconds_of_fmpy,
-        "c": seconds_in_c,
-    }
-    times: dict[str, list[float]] = {way: [] for way in run}
     last: dict[str, np.ndarray] = {}
-    for _ in range(rounds):
-        for way, seconds in run.items():
-            time, last[way] = seconds(description, binding, inputs, period=period, count=count)
-            times[way].append(time / count * 1e6)
+
+    def time_of(way: str, seconds: Callable[..., tuple[float, np.ndarray]]) -> float:
+        time, last[way] = seconds(description, binding, inputs, period=period, count=count)
+        return time / count * 1e6
+
+    ways = {"ours": seconds_of_railgrip, "fmpy": seconds_of_fmpy, "c": seconds_in_c}
+    times = in_turn({way: partial(time_of, way, seconds) for way, seconds in ways.items()}, rounds)
     for way in ("fmpy", "c"):
         if not np.array_equal(last[way], last["ours"]):
             raise AssertionError(f"{file.name}: {way} and ours end on different outputs, so they did not do the same.")
@@ -222,19 +215,18 @@ def of_scenario(what: str, *overrides: str, share: float) -> Iterator[Row]:
     scenario = load(Path("trapezoid"), ["controller.kind=slip_two_state", *overrides])
     simulated = run_stop(scenario).metrics.duration
     cycles = simulated / scenario.periods.communication
-    laws = {"compiled": CustomParts(), "Python": CustomParts(controller=PythonSlipControl())}
-    cycle: dict[str, list[float]] = {name: [] for name in laws}
-    for _ in range(part(3, share)):
-        for name, entry in laws.items():
-            with assemble(scenario, objects=entry) as parts:
-                begin = process_time()
-                parts.run()
-                cycle[name].append((process_time() - begin) / cycles * 1e6)
     alone = PythonSlipControl()
-    with assemble(scenario, objects=CustomParts(controller=alone)) as parts:
+    laws = {"compiled": CustomParts(), "Python": CustomParts(controller=alone)}
+
+    def loop(law: CustomParts) -> float:
+        with assemble(scenario, objects=law) as parts:
+            return microseconds(parts.run, rounds=1, clock=process_time) / cycles
+
+    cycle = in_turn({name: partial(loop, law) for name, law in laws.items()}, part(3, share)).median()
+    with assemble(scenario, objects=laws["Python"]) as parts:
         observation = next(Loop(parts.parts).decisions())
         law = microseconds(lambda: alone.decide(observation), rounds=5, share=share)
-    compiled, python = (median(cycle[name]) for name in laws)
+    compiled, python = cycle["compiled"], cycle["Python"]
     figures = microseconds(lambda: run_stop(scenario), rounds=3, share=share, clock=process_time) / cycles
     bare = microseconds(lambda: braking_distance(scenario), rounds=5, share=share, clock=process_time) / cycles
     yield f"{what}{CYCLE}", f"{compiled:.1f} µs", ""
@@ -253,16 +245,11 @@ def of_predictions(share: float) -> Iterator[Row]:
         "co_simulation": ["estimator.interface=co_simulation"]
     }
     pace = ["start.speed=20 km/h"] if share < 1.0 else []
-    scenarios = {kind: load(Path("trapezoid"), [*changes[kind], *pace]) for kind in kinds}
-    seconds: dict[str, list[float]] = {kind: [] for kind in kinds}
-    for scenario in scenarios.values():
-        braking_distance(scenario)  # compiles everything
-    for _ in range(part(3, share)):
-        for kind, scenario in scenarios.items():
-            begin = process_time()
-            braking_distance(scenario)
-            seconds[kind].append(process_time() - begin)
-    compiled, fmu, co_simulation, python = (median(seconds[kind]) for kind in kinds)
+    stops = {kind: partial(braking_distance, load(Path("trapezoid"), [*changes[kind], *pace])) for kind in kinds}
+    for stop in stops.values():
+        stop()  # compiles everything
+    timed = {kind: partial(microseconds, stop, rounds=1, clock=process_time) for kind, stop in stops.items()}
+    compiled, fmu, co_simulation, python = in_turn(timed, part(3, share)).median() / 1e6
     yield "a stop with the filter over compiled equations", f"{compiled:.2f} s", ""
     yield "  over the prediction FMU", f"{fmu:.2f} s", ""
     yield "  over the prediction FMU that integrates itself, Co-Simulation", f"{co_simulation:.2f} s", ""
