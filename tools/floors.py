@@ -188,8 +188,9 @@ def choose(seconds: dict[str, float], ran: dict[str, set[int]]) -> tuple[set[str
     runs = np.zeros((len(names), 1 + max(map(max, filter(None, ran.values())), default=0)), dtype=np.bool_)
     for row, unit in enumerate(names):
         runs[row, [*has[unit]]] = True
-    once = runs[is_required].any(axis=0)
+    once = np.zeros(runs.shape[1], dtype=np.bool_)
     once[[*ran.get(REGRESSION, ())]] = True
+    once |= runs[is_required].any(axis=0)
     by_units = _distinct(runs[:, runs.any(axis=0) & ~once])
     prices = np.array([*cost.values()])
     chosen = milp(

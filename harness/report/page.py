@@ -58,6 +58,7 @@ class Page:
         tables: File name → table, as CSV.
         data: File name → content, as JSON.
         files: File name → function that writes it.
+        documented: Name of a mark → table, text or list of a study for its page of the documentation.
         screen: Tables and sentences for the terminal.
         exit_code: Exit code of the command line; 0 if no case failed.
     """
@@ -77,6 +78,7 @@ class Page:
     tables: Mapping[str, ReportTable] = field(default_factory=dict[str, ReportTable])
     data: JsonObject = field(default_factory=JsonObject)
     files: Mapping[str, Callable[[Path], object]] = field(default_factory=dict[str, Callable[[Path], object]])
+    documented: Mapping[str, ReportTable | str] = field(default_factory=dict[str, ReportTable | str])
     screen: Sequence[ReportTable | str] = ()
     exit_code: int = 0
 

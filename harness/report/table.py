@@ -338,6 +338,11 @@ def with_tables(text: str, tables: Mapping[str, ReportTable | str]) -> str:
     return text
 
 
+def bulleted(sentences: Iterable[str]) -> str:
+    """Return sentences as a list in Markdown."""
+    return "\n".join(f"- {sentence}" for sentence in sentences)
+
+
 def write_tables(path: Path, tables: Mapping[str, ReportTable | str]) -> None:
     """Write tables between the marks of a page; see `with_tables`.
 

@@ -11,18 +11,18 @@ from railgrip.base.files import write_text
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable, write_tables, yes_no
+from railgrip.report.table import ReportTable, bulleted, yes_no
 from railgrip.studies.study import Study
 from railgrip.supervision.results import BrakingCurves, braking_curves
 
 _CSV: Mapping[str, Any] = {"index": False, "float_format": "%.4f", "lineterminator": "\n"}
-PAGE = Path("docs/etcs.md")
-"""Folder relative to that of the project, in which the command runs."""
 
 
 @dataclass(frozen=True)
 class Etcs(Study, quick="the whole study"):
     """Draw the braking curves that ETCS supervises for a train, and its stops beneath."""
+
+    documentation = Path("docs/etcs.md")
 
     train: Annotated[
         Path, Argument(metavar="TRAIN", help="A train file or its name, or a file of brake curves or percentage.")
@@ -39,10 +39,6 @@ class Etcs(Study, quick="the whole study"):
         """
         curves = braking_curves(self.train, self.national, self.line, work.notify)
         name = curves.case.model.name
-        if self.write:
-            sentences = "\n".join(f"- {sentence}" for sentence in curves.sentences)
-            tables = {"decelerations": curves.decelerations, "limits": curves.table, "sentences": sentences}
-            write_tables(PAGE, tables)
         return Page(
             title=f"Braking curves of {name}",
             question="Where does ETCS warn and brake, and where does the train stop?",
@@ -57,6 +53,11 @@ class Etcs(Study, quick="the whole study"):
             figures={"etcs.png": curves.figure()},
             files={"etcs.csv": lambda path: write_text(path, curves.limits.to_csv(**_CSV))},
             tables={"limits.csv": curves.table, "decelerations.csv": curves.decelerations},
+            documented={
+                "decelerations": curves.decelerations,
+                "limits": curves.table,
+                "sentences": bulleted(curves.sentences),
+            },
             screen=(curves.decelerations, curves.table, *curves.sentences),
         )
 

@@ -14,6 +14,7 @@ from railgrip.campaign.run import input_versions
 from railgrip.campaign.work import Work, work
 from railgrip.report.baseline import Finding, Findings
 from railgrip.report.page import FORMATS, Page
+from railgrip.report.table import write_tables
 from railgrip.studies import module_of, names
 
 
@@ -31,12 +32,15 @@ class Study(ABC):
         quick_form: Difference of the quick form from the whole study, a clause: "2 draws on each rail in place of 10".
         quick_sizes: Options with other values in the quick form.
         has_cases: Whether a cluster can run cases of the study, unlike measurements of durations.
+        documentation: Page of the documentation, relative to the folder of the project, into which a study with the
+            option `write` writes what its page declares as `documented`.
     """
 
     quick: bool = False
     quick_form: ClassVar[str]
     quick_sizes: ClassVar[Mapping[str, Any]]
     has_cases: ClassVar[bool] = True
+    documentation: ClassVar[Path]
 
     def __init_subclass__(
         cls, *, quick: str, sizes: Mapping[str, Any] | None = None, whole: Sequence[str] = ()
@@ -152,6 +156,8 @@ def conduct(
         page = replace(page, provenance={**origin, **page.provenance})
         if study.quick:
             page = _as_quick(page, study.quick_form)
+        if page.documented and getattr(study, "write", False):
+            write_tables(study.documentation, page.documented)
         job.notify("drawing the page")
         return page, page.write(folder, formats)
 

@@ -18,7 +18,7 @@ from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
 from railgrip.report.statistics import FEWEST_DRAWS
-from railgrip.report.table import Form, ReportTable, share, with_interval, write_tables
+from railgrip.report.table import Form, ReportTable, bulleted, share, with_interval
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import by_hand
@@ -38,9 +38,6 @@ from railgrip.supervision.headway import headways
 from railgrip.supervision.line import doubts_of
 from railgrip.supervision.trains import maximum_speed, read_train
 
-PAGE = Path("docs/benefit.md")
-"""Folder relative to that of the project, in which the command runs."""
-
 _SYSTEMS = ("fixed blocks", "moving block")
 _COLOURS = {
     "signalling": palette.GREY, "approach": palette.BLUE, "block": palette.SKY, "clearing": palette.GREEN,
@@ -55,6 +52,8 @@ class Benefit(Study, quick="the first measure, and 2 stops on the last rail of t
     What does sanding buy for a train that leaves at .05 from 120 km/h?
     `railgrip study benefit my_train.toml --measures sand --line leaves`
     """
+
+    documentation = Path("docs/benefit.md")
 
     train: Annotated[Path, Argument(metavar="TRAIN", help="A train file, or the name of a train.")] = Path("emu387")
     measures: Annotated[
@@ -78,18 +77,16 @@ class Benefit(Study, quick="the first measure, and 2 stops on the last rail of t
         chain = chain_of(self, work)
         gains, costs, by_rail, deciding = gain_table(chain), cost_table(chain), rail_table(chain), deciding_table(chain)
         sentences = sentences_of(chain)
-        if self.write:
-            listed = "\n".join(f"- {sentence}" for sentence in sentences)
-            tables = {"gains": gains, "costs": costs, "rails": by_rail, "deciding": deciding, "sentences": listed}
-            write_tables(PAGE, tables)
+        tables = {"gains": gains, "costs": costs, "rails": by_rail, "deciding": deciding}
         return Page(
             title=f"Benefit of measures for {self.train.stem} on the line {chain.line.name}",
             question="How many metres and seconds of headway do measures against low adhesion buy, and at what cost?",
             answer=sentences[0],
             template="studies/benefit/benefit.md.jinja",
-            values={"gains": gains, "costs": costs, "rails": by_rail, "deciding": deciding, "sentences": sentences[1:]},
+            values=tables | {"sentences": sentences[1:]},
             figures={"benefit.png": draw(chain)},
-            tables={"gains.csv": gains, "costs.csv": costs, "rails.csv": by_rail, "deciding.csv": deciding},
+            tables={f"{name}.csv": table for name, table in tables.items()},
+            documented=tables | {"sentences": bulleted(sentences)},
             files={"stops.csv": partial(stop_table(chain).write_csv)},
             screen=(gains, costs, deciding, *sentences),
         )

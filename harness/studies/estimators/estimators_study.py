@@ -18,7 +18,7 @@ from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.frame import Frame
 from railgrip.report.page import Page
-from railgrip.report.table import ReportTable, write_tables
+from railgrip.report.table import ReportTable
 from railgrip.scenario.file import is_file, locate
 from railgrip.studies.estimators.case_errors import (
     CaseErrors,
@@ -70,14 +70,15 @@ from railgrip.studies.estimators.tables import (
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.case_set import VERSIONS
 
-PAGE: Final = Path("docs/estimators_compared.md")
 FACTORS_FILE: Final = Path("harness/studies/estimators/library/noises.toml")
-"""From the folder of the project, where the command runs, as `PAGE`."""
+"""From the folder of the project, where the command runs."""
 
 
 @dataclass(frozen=True)
 class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"count": 2}):
     """Compare estimators of adhesion, pad friction and speed on the same recordings of simulated stops."""
+
+    documentation = Path("docs/estimators_compared.md")
 
     estimator: Annotated[
         list[str] | None,
@@ -126,8 +127,6 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
             tables["targets"] = targets(frame, ranked, bound)
         if not (self.estimator or self.quick or train):
             tables["vehicles"] = vehicles_of(work)
-        if self.write:
-            write_tables(PAGE, tables)
         best = ranked.iloc[0]
         return Page(
             title="How well adhesion can be known",
@@ -144,6 +143,7 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
             | {"limits": model_of_estimator("fmu", train).limits},
             tables={f"{name}.csv": table for name, table in tables.items()},
             data={"estimators.json": [each.to_plain() for each in results]},
+            documented=tables,
             screen=tuple(tables.values()),
         )
 
@@ -168,8 +168,6 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
             "loop": compare(stops_of_type_test(work, count)),
             "loop_table_1": compare_table_1(stops_of_table_1(work)),
         }
-        if self.write:
-            write_tables(PAGE, tables)
         disturbed = [f"{row['median']} with {row['law']}" for row in tables["loop"].rows if row["estimates"] == BEST]
         return Page(
             title="Estimators in the loop",
@@ -178,6 +176,7 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
             template="studies/estimators/loop.md.jinja",
             values=tables | {"count": count},
             tables={f"{name}.csv": table for name, table in tables.items()},
+            documented=tables,
             screen=tuple(tables.values()),
         )
 

@@ -17,7 +17,7 @@ from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
 from railgrip.report.palette import lead_to_trail
 from railgrip.report.style import band, dress, figure, legend
-from railgrip.report.table import ReportTable, write_tables
+from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.check import checked_train
 from railgrip.rolling_stock.dispersion import ComponentFailure, FailureProbability, Normal, Uniform
 from railgrip.rolling_stock.schema import Train
@@ -49,15 +49,14 @@ _FEW_STOPS = ("loop.runs=2", "loop.samples=20")
 
 _HALF_HEIGHT = 0.012  # of the panels of convergence, in K
 
-PAGE = Path("docs/k_factors.md")
-"""Folder relative to that of the project, in which the command runs."""
-
 _METHOD = "exact enumeration of failure states, importance sampling about the worst points within each"
 
 
 @dataclass(frozen=True)
 class KFactors(Study, quick="2 runs with few samples"):
     """Print K_dry_rst for EBCL 0 to 9 from the dispersion of a brake's components, with intervals of 95 %."""
+
+    documentation = Path("docs/k_factors.md")
 
     file: Annotated[Path, Argument(metavar="FILE.toml", help="Dispersion and failures.")] = Path("vt642")
     overrides: list[str] | None = None
@@ -86,8 +85,6 @@ class KFactors(Study, quick="2 runs with few samples"):
             loop = in_the_loop(specification, subject, brake, distance, result, work, folders)
         shown = table(brake, result)
         lines = sentences(brake, distance, method, result, loop, work.count)
-        if self.write:
-            write_tables(PAGE, {"K": "\n\n".join((str(shown), *lines))})
         return Page(
             title=f"K factors of {specification.name}",
             question="Which share of its nominal deceleration does the train reach with the probability of each EBCL?",
@@ -97,6 +94,7 @@ class KFactors(Study, quick="2 runs with few samples"):
             values={"specification": specification, "table": shown, "sentences": lines, **assumptions(specification)},
             figures={"k_factors.png": draw(brake, result)},
             data={"k_factors.json": content(specification, subject, brake, distance, result, loop)},
+            documented={"K": "\n\n".join((str(shown), *lines))},
             screen=(shown, *lines, f"{result.seconds:.1f} s"),
         )
 

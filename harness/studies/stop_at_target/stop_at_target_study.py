@@ -22,7 +22,7 @@ from railgrip.report.baseline import Finding
 from railgrip.report.frame import Frame
 from railgrip.report.page import Page
 from railgrip.report.statistics import bootstrap_interval, draws_for_interval, on_common
-from railgrip.report.table import ReportTable, with_interval, write_tables
+from railgrip.report.table import ReportTable, bulleted, with_interval
 from railgrip.scenario.file import merge
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.schema import Scenario
@@ -30,8 +30,6 @@ from railgrip.simulate.run import trace_of
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.design import FAULTS, at
 
-PAGE = Path("docs/stop_at_target.md")
-"""Relative to the folder of the project, in which the command runs."""
 LIBRARY = Path(__file__).parent / "library"
 
 DRAWS, HEADLINE = 500, 3
@@ -292,9 +290,11 @@ def values_table(found: Mapping[str, Mapping[str, float]]) -> ReportTable:
 class StopAtTarget(Study, quick="2 draws, and no search of parameters", sizes={"draws": 2, "sets": 0}):
     """Stop at a target with a driver, deceleration control, and adhesion management, over draws of everything."""
 
+    documentation = Path("docs/stop_at_target.md")
+
     draws: Annotated[int, Option(min=1, help="Draws with magnets; a fifth as many without.")] = DRAWS
     sets: Annotated[int, Option(min=0, help="Sets of parameters for each system; 0 keeps those of the laws.")] = SETS
-    write: Annotated[bool, Option("--write", help=f"Write the tables into {PAGE}.")] = False
+    write: Annotated[bool, Option("--write", help="Write the tables into docs/stop_at_target.md.")] = False
 
     def page(self, work: Work) -> Page:
         """Search the parameters, run the draws, and return the errors; the small form has few draws and no search."""
@@ -309,9 +309,7 @@ class StopAtTarget(Study, quick="2 draws, and no search of parameters", sizes={"
         parameters = values_table(systems)
         answers = {title: _answer(frame) for title, frame in frames.items()}
         known = knowledge_of(draws)
-        if self.write:
-            sentences = "\n".join(f"- {title.capitalize()}: {answer}" for title, answer in answers.items())
-            write_tables(PAGE, {**tables, "parameters": parameters, "ratios": sentences, "knowledge": known})
+        ratios = bulleted(f"{title.capitalize()}: {answer}" for title, answer in answers.items())
         return Page(
             title="Stops at a target",
             question="How far from its target does a train stop, and what does adhesion management gain?",
@@ -320,6 +318,7 @@ class StopAtTarget(Study, quick="2 draws, and no search of parameters", sizes={"
             values={"tables": tables, "parameters": parameters, "answers": answers, "sets": sets, "training": TRAINING},
             figures={"errors.png": figure_of(frames)},
             tables={"errors.csv": tables["with magnets"], "without_magnets.csv": tables["without magnets"]},
+            documented={**tables, "parameters": parameters, "ratios": ratios, "knowledge": known},
             screen=(*tables.values(), parameters, *answers.values()),
         )
 
