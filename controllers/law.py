@@ -31,17 +31,20 @@ class Tuning(Parameters):
         LAW: Name of the law in messages.
         POSITIVE: Names of the parameters that must not be zero.
         FIXED: Names of the parameters that other tables of the scenario set.
+        ORDER: Required orders of parameters and numbers, such as `low < high < 1`, some with a remark for the message
+            after a semicolon.
     """
 
     LAW: ClassVar[str] = ""
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period"})
     FIXED: ClassVar[frozenset[str]] = frozenset({"period"})
+    ORDER: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         """Check the parameters.
 
         Raises:
-            ValueError: A value is negative or not finite, or zero where it must be positive.
+            ValueError: A value is negative or not finite, zero where it must be positive, or not in the required order.
         """
         for name, (unit, *_) in self.meanings().items():
             value = getattr(self, name)
@@ -51,6 +54,14 @@ class Tuning(Parameters):
                 raise ValueError(
                     f"{self.LAW or type(self).__name__}: {name} must be finite and {kind}, got {short(value)} {unit}."
                 )
+        for text in self.ORDER:
+            order, semicolon, remark = text.partition(";")
+            terms, signs = order.split()[::2], order.split()[1::2]
+            values = [getattr(self, term, term) for term in terms]
+            pairs = zip(map(float, values), signs, map(float, values[1:]), strict=False)
+            if not all(low <= high if sign == "<=" else low < high for low, sign, high in pairs):
+                found = [f"{term} = {value}" for term, value in zip(terms, values, strict=True) if term.isidentifier()]
+                raise ValueError(f"{self.LAW}: {order} is required, got {', '.join(found)}{semicolon}{remark}.")
 
     @classmethod
     def units(cls) -> dict[str, str]:
@@ -67,18 +78,7 @@ class SetSlipTuning(Tuning):
     slip_least: Annotated[float, "1", "smallest set slip"] = 0.005
     slip_most: Annotated[float, "1", "largest set slip"] = 0.3
 
-    def __post_init__(self) -> None:
-        """Check the parameters.
-
-        Raises:
-            ValueError: See `Tuning`; or slips are not in order.
-        """
-        Tuning.__post_init__(self)
-        if not self.slip_least <= self.slip_start <= self.slip_most < 1.0:
-            raise ValueError(
-                f"{self.LAW}: slips must have slip_least <= slip_start <= slip_most < 1, got "
-                f"{self.slip_least}, {self.slip_start} and {self.slip_most}."
-            )
+    ORDER: ClassVar[tuple[str, ...]] = ("slip_least <= slip_start <= slip_most < 1",)
 
 
 NO_PARAMETERS = Tuning()

@@ -19,16 +19,7 @@ class ConstantSlipTuning(Tuning):
 
     LAW: ClassVar[str] = "ConstantSlip"
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip", "integral_time"})
-
-    def __post_init__(self) -> None:
-        """Check the parameters.
-
-        Raises:
-            ValueError: See `Tuning`; or the set slip is 1 or more, that of a locked wheel.
-        """
-        Tuning.__post_init__(self)
-        if self.slip >= 1.0:
-            raise ValueError(f"ConstantSlip: slip must be below 1, that of a locked wheel, got {self.slip}.")
+    ORDER: ClassVar[tuple[str, ...]] = ("slip < 1; a slip of 1 is that of a locked wheel",)
 
 
 class ConstantSlip(GroupLaw):

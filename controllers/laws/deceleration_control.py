@@ -50,20 +50,11 @@ class DecelerationTuning(SlopeTuning):
 
     LAW: ClassVar[str] = "DecelerationControl"
     POSITIVE: ClassVar[frozenset[str]] = SlopeTuning.POSITIVE | {"deceleration", "emergency"}
-
-    def __post_init__(self) -> None:
-        """Check the parameters.
-
-        Raises:
-            ValueError: See `SlopeTuning`; or two parameters are not in order.
-        """
-        SlopeTuning.__post_init__(self)
-        for low, high in (("deceleration", "emergency"), ("utilisation_sand", "utilisation_full")):
-            if getattr(self, low) >= getattr(self, high):
-                raise ValueError(
-                    f"DecelerationControl: {low} must be below {high}, got {getattr(self, low)} and "
-                    f"{getattr(self, high)}."
-                )
+    ORDER: ClassVar[tuple[str, ...]] = (
+        *SlopeTuning.ORDER,
+        "deceleration < emergency",
+        "utilisation_sand < utilisation_full",
+    )
 
 
 class DecelerationControl(SlopeSeeking):

@@ -31,6 +31,7 @@ class ExtremumSeekingTuning(SetSlipTuning):
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
         {"period", "slip_start", "slip_least", "dither", "frequency", "integral_time", "adhesion_small"}
     )
+    ORDER: ClassVar[tuple[str, ...]] = (*SetSlipTuning.ORDER, "dither < 1; it is a share of the set slip")
 
     def __post_init__(self) -> None:
         """Check the parameters.
@@ -39,8 +40,6 @@ class ExtremumSeekingTuning(SetSlipTuning):
             ValueError: See `SetSlipTuning`; or the dither is too fast for the period.
         """
         SetSlipTuning.__post_init__(self)
-        if self.dither >= 1.0:
-            raise ValueError(f"ExtremumSeeking: dither is a share of the set slip, below 1, got {self.dither}.")
         if self.frequency * self.period >= 0.25:
             raise ValueError(
                 f"ExtremumSeeking: frequency {self.frequency} Hz leaves less than four decisions of {self.period} s to "

@@ -31,19 +31,7 @@ class FuzzySlipTuning(Tuning):
 
     LAW: ClassVar[str] = "FuzzySlip"
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip_medium", "deceleration", "vent_rate"})
-
-    def __post_init__(self) -> None:
-        """Check the parameters.
-
-        Raises:
-            ValueError: See `Tuning`; or the fuzzy sets of the slip are not in order below 1.
-        """
-        Tuning.__post_init__(self)
-        if not (self.slip_ratio > 1.0 and self.slip_medium < 1.0):
-            raise ValueError(
-                "FuzzySlip: slip_medium must be below 1 and slip_ratio above 1, got "
-                f"{self.slip_medium} and {self.slip_ratio}."
-            )
+    ORDER: ClassVar[tuple[str, ...]] = ("slip_medium < 1", "1 < slip_ratio")
 
 
 class FuzzySlip(GroupLaw):

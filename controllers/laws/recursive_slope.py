@@ -35,16 +35,7 @@ class RecursiveSlopeTuning(SetSlipTuning):
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
         {"period", "slip_start", "slip_least", "memory", "covariance_max", "integral_time", "adhesion_small"}
     )
-
-    def __post_init__(self) -> None:
-        """Check the parameters.
-
-        Raises:
-            ValueError: See `SetSlipTuning`; or the excitation is not smaller than the set slip.
-        """
-        SetSlipTuning.__post_init__(self)
-        if self.dither >= 1.0:
-            raise ValueError(f"RecursiveSlope: dither is a share of the set slip, below 1, got {self.dither}.")
+    ORDER: ClassVar[tuple[str, ...]] = (*SetSlipTuning.ORDER, "dither < 1; it is a share of the set slip")
 
 
 class RecursiveSlope(SetSlipLaw):

@@ -23,19 +23,7 @@ class SlipLevels(Tuning):
     LAW: ClassVar[str] = "SlipBased"
     POSITIVE: ClassVar[frozenset[str]] = frozenset()
     FIXED: ClassVar[frozenset[str]] = frozenset({"hold"})
-
-    def __post_init__(self) -> None:
-        """Check the parameters.
-
-        Raises:
-            ValueError: See `Tuning`; or not 0 < low < high < 1.
-        """
-        Tuning.__post_init__(self)
-        if not 0.0 < self.low < self.high < 1.0:
-            raise ValueError(
-                f"SlipBased: levels are slips with 0 < low < high < 1, got low = {self.low}, high = {self.high}; "
-                "for a locked wheel use full_brake."
-            )
+    ORDER: ClassVar[tuple[str, ...]] = ("0 < low < high < 1; for a locked wheel use full_brake",)
 
 
 class SlipTwoState(GroupLaw):

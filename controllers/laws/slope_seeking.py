@@ -68,19 +68,7 @@ class SlopeTuning(Tuning):
         {"period", "filter_time", "washout_time", "window", "correlation_time", "dither_time"}
     )
     FIXED: ClassVar[frozenset[str]] = frozenset({"period", "pressure_lag", "adhesion_max"})
-
-    def __post_init__(self) -> None:
-        """Check the parameters.
-
-        Raises:
-            ValueError: See `Tuning`; or the slips are not in order.
-        """
-        Tuning.__post_init__(self)
-        if not 0.0 < self.slip_small < self.slip_most < 1.0 or not 0.0 < self.slip_usual < 1.0:
-            raise ValueError(
-                "SlopeSeeking: slips must have 0 < slip_small < slip_most < 1 and 0 < slip_usual < 1, got "
-                f"{self.slip_small}, {self.slip_most} and {self.slip_usual}."
-            )
+    ORDER: ClassVar[tuple[str, ...]] = ("0 < slip_small < slip_most < 1", "0 < slip_usual < 1")
 
 
 class SlopeSeeking(GroupLaw):

@@ -58,20 +58,11 @@ class TwoMaximaTuning(SlopeTuning):
 
     LAW: ClassVar[str] = "TwoMaxima"
     POSITIVE: ClassVar[frozenset[str]] = SlopeTuning.POSITIVE | {"comparison_time", "trial_mean", "level_time"}
-
-    def __post_init__(self) -> None:
-        """Check the parameters.
-
-        Raises:
-            ValueError: See `SlopeTuning`; or the slips are not in order.
-        """
-        SlopeTuning.__post_init__(self)
-        for slip in ("slip_deep", "slip_trial"):
-            if not 0.0 < getattr(self, slip) < self.slip_vent_deep < 1.0:
-                raise ValueError(
-                    f"TwoMaxima: slips must have 0 < {slip} < slip_vent_deep < 1, got "
-                    f"{getattr(self, slip)} and {self.slip_vent_deep}."
-                )
+    ORDER: ClassVar[tuple[str, ...]] = (
+        *SlopeTuning.ORDER,
+        "0 < slip_deep < slip_vent_deep < 1",
+        "0 < slip_trial < slip_vent_deep < 1",
+    )
 
 
 class TwoMaxima(SlopeSeeking):

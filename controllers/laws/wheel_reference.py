@@ -46,18 +46,7 @@ class WheelReferenceTuning(Tuning):
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
         {"period", "slip_low", "deceleration", "deceleration_max", "rise", "vent_max"}
     )
-
-    def __post_init__(self) -> None:
-        """Check the parameters.
-
-        Raises:
-            ValueError: See `Tuning`; or slips are not in order.
-        """
-        Tuning.__post_init__(self)
-        if not self.slip_low < self.slip_high < 1.0:
-            raise ValueError(
-                f"WheelReference: slips must have slip_low < slip_high < 1, got {self.slip_low} and {self.slip_high}."
-            )
+    ORDER: ClassVar[tuple[str, ...]] = ("slip_low < slip_high < 1",)
 
 
 class WheelReference(GroupLaw):

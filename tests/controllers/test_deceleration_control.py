@@ -130,5 +130,5 @@ def test_sand_and_magnets_are_demanded_only_where_adhesion_does_not_suffice():
 
 
 def test_a_curve_steeper_than_the_emergency_brake_is_refused():
-    with pytest.raises(ValueError, match=r"deceleration must be below emergency, got 1.2 and 1.1"):
+    with pytest.raises(ValueError, match=r"deceleration < emergency is required, got deceleration = 1.2"):
         controller(deceleration=1.2)
