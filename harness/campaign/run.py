@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Literal
 
 from railgrip.base.errors import CompilerMissing, InputError, RailgripError, RecordError
 from railgrip.base.files import PARTIAL, scratch, write_bytes, write_json
@@ -149,16 +149,11 @@ Notify = Callable[[str], None]
 """Called with a sentence for the user."""
 
 
-def ignore(sentence: str) -> None:
-    """Ignore a message for the user."""
+Runner = Callable[[Scenario, Progress | None, Notify], Stop]
+"""Runs a scenario and returns the stop, whatever its outcome; raises an error for invalid input.
 
-
-class Runner(Protocol):
-    """Runs a scenario; implemented by `railgrip.simulate.run.run_stop`."""
-
-    def __call__(self, scenario: Scenario, progress: Progress | None = None, notify: Notify = ignore) -> Stop:
-        """Return the stop, whatever its outcome; raise an error for invalid input."""
-        ...
+Implemented by `railgrip.simulate.run.run_stop`.
+"""
 
 
 def run_folder(scenario: Scenario) -> Path:
@@ -171,7 +166,7 @@ def run(
     directory: Path,
     runner: Runner,
     progress: Progress | None = None,
-    notify: Notify = ignore,
+    notify: Notify = lambda sentence: None,
     *,
     keep_trace: bool = True,
 ) -> Stop:
@@ -187,11 +182,10 @@ def run(
     """
     require_place(directory)
     make_folder(directory, *FILES)
-    is_own = bool(user_kinds(scenario))
-    if is_own:
+    if kinds := user_kinds(scenario):
         record_files()
     stop = runner(scenario, progress, notify)
-    stop = replace(add_versions(stop), dependencies=dependencies_of(scenario) if is_own else {})
+    stop = replace(add_versions(stop), dependencies=dependencies_of(kinds) if kinds else {})
     write_stop(stop, directory, keep_trace=keep_trace)
     return stop
 
@@ -375,7 +369,7 @@ def find_result(stop: PlannedStop, directory: Path, import_from: Sequence[Path] 
         found = read_stop(directory)
         if found.digest != scenario.digest() or not input_versions().items() <= found.versions.items():
             return None
-        if user_kinds(scenario) and not are_current(scenario, found.dependencies, import_from):
+        if (kinds := user_kinds(scenario)) and not are_current(kinds, found.dependencies, import_from):
             return None
         if stop.keep_trace:
             if found.trace_digest is None:  # the samples could not be stored, or were not requested

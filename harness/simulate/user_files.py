@@ -59,14 +59,14 @@ def _record(event: str, arguments: tuple[Any, ...]) -> None:
         _read.add(os.path.realpath(os.fsdecode(path)))
 
 
-def dependencies_of(scenario: Scenario) -> dict[str, str]:
-    """Return what the user's classes in a scenario depend on, after its stop in this process.
+def dependencies_of(kinds: Mapping[Role, str]) -> dict[str, str]:
+    """Return what the user's classes of `user_kinds` depend on, after the stop of their scenario in this process.
 
     "module NAME" → its file; path of a file that they consist of or read → SHA-256, or "" if there was none;
     "package NAME" → version. It may be more than they need, because processes run several stops. It is empty if a class
     has no file.
     """
-    tops = _tops(scenario)
+    tops = _tops(kinds)
     origins = {name: getattr(sys.modules.get(name), "__file__", None) for name in tops}
     found = {f"{_MODULE}{name}": os.path.realpath(file) for name, file in origins.items() if file}
     if len(found) < len(tops):
@@ -84,10 +84,10 @@ def dependencies_of(scenario: Scenario) -> dict[str, str]:
     return found | {path: _digest(path) for path in sorted(files)}
 
 
-def are_current(scenario: Scenario, dependencies: Mapping[str, str], folders: Sequence[Path]) -> bool:
-    """Return whether the user's classes in a scenario, imported from folders, still have these dependencies."""
+def are_current(kinds: Mapping[Role, str], dependencies: Mapping[str, str], folders: Sequence[Path]) -> bool:
+    """Return whether the user's classes of `user_kinds`, imported from folders, still have these dependencies."""
     now = {f"{_MODULE}{name}": _origin(name, None if is_installed else folders)
-           for name, is_installed in _tops(scenario).items()}  # fmt: skip
+           for name, is_installed in _tops(kinds).items()}  # fmt: skip
     return bool(dependencies) and all(_now(name, now) == value for name, value in dependencies.items())
 
 
@@ -102,10 +102,10 @@ def _now(name: str, modules: Mapping[str, str | None]) -> str | None:
     return _digest(name)
 
 
-def _tops(scenario: Scenario) -> dict[str, bool]:
+def _tops(kinds: Mapping[Role, str]) -> dict[str, bool]:
     """Return the name of the outermost package or module of each class, and whether it is installed."""
     found: dict[str, bool] = {}
-    for role, kind in user_kinds(scenario).items():
+    for role, kind in kinds.items():
         points = installed_names(role)
         name = points.get(kind, kind)
         found[name.partition(":")[0].partition(".")[0]] = name in points.values()
@@ -137,6 +137,4 @@ def _is_installed(path: str) -> bool:
     return os.path.realpath(path).startswith(_installed()) or path.endswith(".pyc")
 
 
-@cache
-def _distributions() -> Mapping[str, Sequence[str]]:
-    return metadata.packages_distributions()
+_distributions = cache(metadata.packages_distributions)

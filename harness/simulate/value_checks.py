@@ -49,7 +49,8 @@ class DemandLimits:
     """Limits the demands of other than built-in laws to what cylinders take, and counts the decisions it changed.
 
     Attributes:
-        maximum: Maximum pressure of each group [Pa].
+        maximum: Maximum pressure of each group [Pa]; once `is_pascal` is set, the loop calls `limit` only beyond 0 to
+            this.
         is_pascal: Whether the demands have been large enough to be in Pa.
         limited: Number of decisions that were limited.
     """
@@ -138,30 +139,20 @@ class UnitCheck:
         return self.mistake(time, np.where(np.abs(values) > _MAX_RATIO, 100.0, 1.0), np.ones(values.shape))
 
 
-class _Persistence:
-    """The time for which a condition has held without a break, for each group."""
-
-    def __init__(self) -> None:
-        self._since: float | Array = math.inf
-
-    def lasts(self, time: float, holds: NDArray[np.bool_]) -> bool:
-        """Return whether the condition, which holds for each group at this time or not, has held for one for 1 s."""
-        self._since = np.where(holds, np.minimum(self._since, time), math.inf)
-        return bool((time >= self._since + PATIENCE).any())
-
-
 class SignCheck:
     """Compares the signs of estimates with those that braking gives them, and looks for estimates that never change."""
 
     def __init__(self, name: str, formation: Formation) -> None:
         """Check the estimate of a name on the groups of a formation."""
         self._name, self._radius, self._pressure_max = name, formation.wheel_radius, formation.pressure_max
-        self._wrong, self._first, self._speed = _Persistence(), np.empty(0), math.nan
+        self._wrong_since, self._first, self._speed = np.array(math.inf), np.empty(0), math.nan
 
     def mistake(self, observation: Observation, value: ArrayLike) -> str:
         """Return the mistake, in words that follow the value; '' for a value that may be right."""
-        values = np.atleast_1d(np.asarray(value, dtype=np.float64))
-        if self._wrong.lasts(observation.time, self._is_wrong(observation, values)):
+        values, time = np.atleast_1d(np.asarray(value, dtype=np.float64)), observation.time
+        is_wrong = self._is_wrong(observation, values)
+        self._wrong_since = np.where(is_wrong, np.minimum(self._wrong_since, time), math.inf)
+        if np.any(time >= self._wrong_since + PATIENCE):  # without a break in a group
             return _SIGNS[self._name]
         # Adhesion and friction of pads may be assumptions, or steady in a steady braking.
         return self._stuck(observation, values) if self._name in ("speed", "wheelset_speed", "slip") else ""

@@ -15,6 +15,7 @@ from railgrip.fmus.native.toolchain import Struct
 from railgrip.scenario.adhesion import TabulatedRail
 from railgrip.scenario.demand import Driver
 from railgrip.simulate.loop.plausible import Plausibility
+from railgrip.simulate.value_checks import DemandLimits
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle.signals import Layout, Signal
 
@@ -175,22 +176,6 @@ class LoopFaults(Protocol):
     struct: Struct
 
 
-class LoopLimits(Protocol):
-    """Limits on the demands of a controller that is not built-in.
-
-    Attributes:
-        maximum: Maximum pressure of each group [Pa]; once `is_pascal` is set, `limit` is called only beyond 0 to this.
-        is_pascal: Whether the demands have been large enough to be in Pa.
-    """
-
-    maximum: Vector
-    is_pascal: bool
-
-    def limit(self, demands: Vector, observation: Observation) -> Vector:
-        """Return demands limited to the pressures of the cylinders [Pa]; ControllerFailed ends the stop."""
-        ...
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class LawStates:
     """States of a law that are recorded in addition to its demands.
@@ -259,7 +244,7 @@ class Parts:
     sensors: LoopSensors | SensorsInC
     estimator: StateEstimator | DirectEstimator | None
     controller: LoopController
-    limits: LoopLimits | None = None
+    limits: DemandLimits | None = None
     train_level: Sampled | None = None
     valves: Sampled | None
     full: Vector
