@@ -34,7 +34,7 @@ from railgrip.vehicle.parameters import (
     units_of_nominal_data,
     with_each,
 )
-from railgrip.vehicle.signals import Layout, layout_of
+from railgrip.vehicle.signals import layout_of
 
 _SMALLEST, _LARGEST = 0.25, 0.7
 """Radii of wheels on rails [m]: of a car carrier and of a steam locomotive's carrying wheels, with a margin."""
@@ -154,14 +154,8 @@ class MappingDraft:
 
 def controller_lines(description: Description) -> Iterator[str]:
     """Yield TOML to paste for a controller FMU, drafted by names; see `ControllerFmu`."""
-    drafts: list[dict[str, SignalMapping]] = []
-    for groups in sizes_of(description, "output") or (1,):
-        inputs, outputs = controller_signals(groups)
-        signals: dict[str, tuple[Port, Causality]] = {s.name: (s, "input") for s in inputs}
-        signals |= {s.name: (s, "output") for s in outputs}
-        found = draft_mapping(description, signals)
-        drafts.append({name: _entry(description, signals[name][0], variables) for name, variables in found.items()})
-    draft = max(drafts, key=len)
+    sizes = sizes_of(description, "output") or (1,)
+    draft = max((_draft_table(description, *controller_signals(groups)) for groups in sizes), key=len)
     if "demand" in draft:
         draft.pop("command", None)
     yield "[controller]"
@@ -172,10 +166,7 @@ def controller_lines(description: Description) -> Iterator[str]:
     yield from MappingDraft(table=draft, missing=(), formation=Formation((1,))).map_lines()
     if not {"demand", "command"} & draft.keys():
         yield "# demand = ?  # required, in Pa: the brake cylinder pressure of each group"
-    groups = max(sizes_of(description, "output"), default=1)
-    used = {name for entry in draft.values() for name in _variables(entry, groups)}
-    unused = [name for kind in ("input", "output") for name in description.names(kind) if name not in used]
-    if unused:
+    if unused := _unused_variables(description, draft, max(sizes), ("input", "output")):
         yield f"# not used: {_some(unused)}"
 
 
@@ -203,7 +194,8 @@ def find_mapping(
     declared = frozenset(ElementName.of(name).array for name in description.names("parameter")) & DESCRIPTIVE.keys()
     draft = replace(_draft_mapping(description, wheelsets_per_group), declared=declared)
     if draft.missing:
-        draft = replace(draft, unused=_unused_variables(description, draft))
+        wheelsets, kinds = draft.formation.wheelsets, ("input", "output", "parameter")
+        draft = replace(draft, unused=_unused_variables(description, draft.table, wheelsets, kinds))
     else:
         first_draft, numbers = draft, itertools.count(1)
 
@@ -229,12 +221,13 @@ def _nominal_parameters(description: Description, formation: Formation) -> dict[
     return {name: found for name, found in (data | {"wheelset_load": load}).items() if found}
 
 
-def _signals(formation: Formation) -> dict[str, tuple[Port, Causality]]:
-    inputs, outputs, start = plant_signals(layout_of(formation), pneumatic=False, track_force=False)
-    signals: dict[str, tuple[Port, Causality]] = {s.name: (s, "input") for s in inputs}
-    signals |= {s.name: (s, "output") for s in outputs}
-    signals[start.name] = (start, "parameter")
-    return signals
+def _draft_table(
+    description: Description, inputs: Sequence[Port], outputs: Sequence[Port], parameters: Sequence[Port] = ()
+) -> dict[str, SignalMapping]:
+    kinds: dict[Causality, Sequence[Port]] = {"input": inputs, "output": outputs, "parameter": parameters}
+    signals = {port.name: (port, kind) for kind, ports in kinds.items() for port in ports}
+    found = draft_mapping(description, signals)
+    return {name: _entry(description, signals[name][0], variables) for name, variables in found.items()}
 
 
 def _draft_mapping(description: Description, wheelsets_per_group: tuple[int, ...]) -> MappingDraft:
@@ -243,19 +236,19 @@ def _draft_mapping(description: Description, wheelsets_per_group: tuple[int, ...
     choices = [declared] if declared else [catalogue_counts(), *sizes, (1,)]
     drafts: list[MappingDraft] = []
     for counts in choices:
-        signals = _signals(Formation(counts))
-        found = draft_mapping(description, signals)
-        table = {name: _entry(description, signals[name][0], variables) for name, variables in found.items()}
-        missing = [signal for name, (signal, _) in signals.items() if signal.needed and name not in table]
+        inputs, outputs, start = plant_signals(layout_of(Formation(counts)), pneumatic=False, track_force=False)
+        table = _draft_table(description, inputs, outputs, [start])
+        missing = [port for port in (*inputs, *outputs, start) if port.needed and port.name not in table]
         drafts.append(MappingDraft(table=table, missing=missing, formation=Formation(counts)))
     return min(drafts, key=lambda draft: len(draft.missing))
 
 
-def _unused_variables(description: Description, draft: MappingDraft) -> tuple[str, ...]:
-    used = {name for entry in draft.table.values() for name in _variables(entry, draft.formation.wheelsets)}
-    return tuple(
-        name for kind in ("input", "output", "parameter") for name in description.names(kind) if name not in used
-    )
+def _unused_variables(
+    description: Description, table: Mapping[str, SignalMapping], count: int, kinds: Sequence[Causality]
+) -> list[str]:
+    """Return the variables of some kinds that no entry of a table names, with arrays of up to `count` elements."""
+    used = {name for entry in table.values() for name in _variables(entry, count)}
+    return [name for kind in kinds for name in description.names(kind) if name not in used]
 
 
 def _variables(entry: SignalMapping, count: int) -> Iterator[str]:
@@ -343,12 +336,13 @@ def _correct(draft: MappingDraft, run: Run, speed: float) -> MappingDraft:
         wrong = [finding for finding in found if not finding.good]
         best: tuple[int, Factors, Trials, list[SignalCheck]] | None = None
         for factors in _proposals(wrong, trials[0]):
-            changed = _apply_correction(trials, table, factors, run)
+            # The run is repeated only if an input is corrected.
+            needs_run = not factors.keys() <= trials[0].layout.output.keys()
+            changed = run(_apply_correction(table, factors)) if needs_run else _rescale(trials, factors)
             after = _judge_trials(changed, draft.formation, speed)
             count = _doubt(after)
             if count < (_doubt(found) if best is None else best[0]):
                 best = count, factors, changed, after
-            needs_run = not factors.keys() <= trials[0].layout.output.keys()
             settled = not any(ElementName.of(f.signal).array in factors for f in after if not f.good)
             if count == 0 or (needs_run and count < _doubt(found) and settled):
                 break
@@ -356,7 +350,7 @@ def _correct(draft: MappingDraft, run: Run, speed: float) -> MappingDraft:
             break
         _, factors, trials, found = best
         corrections += [_sentence(name, factor, found=wrong) for name, factor in factors.items()]
-        table |= {name: table[name].rescale(factor) for name, factor in factors.items()}
+        table = _apply_correction(table, factors)
     for name in {ElementName.of(finding.signal).array for finding in found if not finding.good} & table.keys():
         if not table[name].signal.needed:
             del table[name]
@@ -375,12 +369,8 @@ def _doubt(found: Sequence[SignalCheck]) -> int:
     return sum(3 if finding.signal == "pressure_command" else 1 for finding in found if not finding.good)
 
 
-def _apply_correction(trials: Trials, table: Mapping[str, SignalMapping], factors: Factors, run: Run) -> Trials:
-    """Return the trials with a correction; the run is repeated only if an input is corrected."""
-    layout: Layout = trials[0].layout
-    if all(name in layout.output for name in factors):
-        return _rescale(trials, factors)
-    return run(dict(table) | {name: table[name].rescale(factor) for name, factor in factors.items()})
+def _apply_correction(table: Mapping[str, SignalMapping], factors: Factors) -> dict[str, SignalMapping]:
+    return {**table, **{name: table[name].rescale(factor) for name, factor in factors.items()}}
 
 
 def _proposals(wrong: Sequence[SignalCheck], trial: Trial) -> Iterator[Factors]:
