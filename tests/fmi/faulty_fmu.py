@@ -30,7 +30,6 @@ def faulty_fmu(
     *,
     speed_unit: str = "m/s",
     pressure_unit: str = "Pa",
-    platform: str = fmpy.platform,
     names: Mapping[str, str] = MappingProxyType({}),
     tool: str = "a hand",
     forged: bytes = b"",
@@ -43,7 +42,6 @@ def faulty_fmu(
         misbehaviour: A name defined in faulty.c.
         speed_unit: Declared unit of its speed.
         pressure_unit: Declared unit of its pressures.
-        platform: Folder of the binary inside the FMU.
         forged: What FORGES writes.
         names: Name in railgrip → name of that variable in the FMU.
         tool: Declared generation tool.
@@ -61,7 +59,7 @@ def faulty_fmu(
     file = folder / f"{misbehaviour.lower()}.fmu"
     with zipfile.ZipFile(file, "w") as archive:
         archive.writestr("modelDescription.xml", _description(speed_unit, pressure_unit, names, tool))
-        archive.write(library, f"binaries/{platform}/faulty_fmu{fmpy.sharedLibraryExtension}")
+        archive.write(library, f"binaries/{fmpy.platform}/faulty_fmu{fmpy.sharedLibraryExtension}")
     return file
 
 
@@ -101,6 +99,15 @@ def _description(speed_unit: str, pressure_unit: str, names: Mapping[str, str], 
             "</fmiModelDescription>",
         ]
     )
+
+
+def stop_of_plant(
+    file: Path, plant: Path | str, controller: str = "full_brake", *, trust: bool = True, more: str = ""
+) -> Path:
+    """Write the scenario of a short stop of a plant, named like its file, with `more` text below [vehicle]."""
+    vehicle = f'[vehicle]\nplant = "{plant}"\ntrust = {str(trust).lower()}\n{more}\n'
+    file.write_text(f'name = "{file.stem}"\nseed = 1\n{vehicle}{quick_stop(controller)}')
+    return file
 
 
 def quick_stop(controller: str) -> str:

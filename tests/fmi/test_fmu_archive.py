@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tiny_fmu import repacked, tied, tiny, xml
+from tiny_fmu import repacked, tied, tiny, xml, zipped
 from wrong import table
 
 from railgrip.base.errors import FmuError
@@ -86,31 +86,16 @@ LINK = zipfile.ZipInfo("resources/link")
 LINK.external_attr = (stat.S_IFLNK | 0o777) << 16
 
 
-@pytest.mark.filterwarnings("ignore:Duplicate name")
-@pytest.mark.parametrize(
-    ("name", "content", "sentence"),
-    [
-        *((name, b"", r"more\.fmu: entry '.*evil' of the archive would be unpacked outside")
-          for name in ("../evil", "resources/../../evil", "/etc/evil", "C:/evil", "resources\\..\\evil")),
-        (LINK, b"/etc/passwd", r"entry 'resources/link' of the archive is a link or device"),
-        ("modelDescription.xml", xml().encode(), r"the archive has 'modelDescription\.xml' twice"),
-    ],
-)  # fmt: skip
-def test_a_wrong_entry_is_refused(
-    foundry: Path, tmp_path: Path, name: str | zipfile.ZipInfo, content: bytes, sentence: str
-):
-    with pytest.raises(FmuError, match=sentence):
-        describe(with_more(foundry, tmp_path, (name, content)))
-
-
-def packed_again(foundry: Path, folder: Path, rename: Callable[[str], str]) -> Path:
-    """Return the well-behaved FMU with other paths in its archive."""
-    return repacked(tiny(foundry), folder / "again.fmu", lambda name, content: (rename(name), content))
+def renamed(rename: Callable[[str], str]) -> Callable[[Path, Path], Path]:
+    """Return a function that writes the well-behaved FMU with other paths in its archive."""
+    return lambda foundry, folder: repacked(
+        tiny(foundry), folder / "again.fmu", lambda name, content: (rename(name), content)
+    )
 
 
 def test_paths_that_begin_with_the_present_folder_are_accepted(foundry: Path, tmp_path: Path):
     """A zip of '.' has './modelDescription.xml'; the train steps as in its usual archive."""
-    description = describe(packed_again(foundry, tmp_path, lambda name: f"./{name}"))
+    description = describe(renamed(lambda name: f"./{name}")(foundry, tmp_path))
     with CoSimulation(description, tied(description), period=0.1, parameters={}) as plant:
         plant.start(np.zeros(1))
         assert plant.step(np.zeros(1))[0] == pytest.approx(np.exp(-0.2), rel=1e-12)
@@ -143,10 +128,6 @@ def test_a_harmless_defect_is_reported_and_the_fmu_runs(foundry: Path, change: t
     assert description.states == plain.states
 
 
-def renamed(rename: Callable[[str], str]) -> Callable[[Path, Path], Path]:
-    return lambda foundry, folder: packed_again(foundry, folder, rename)
-
-
 def with_a_wrong_bit(foundry: Path, folder: Path) -> Path:
     content = bytearray(tiny(foundry).read_bytes())
     content[content.index(b"fmiModelDescription")] ^= 0xFF  # stored uncompressed by the fixture
@@ -167,21 +148,34 @@ SYSTEMS = [
 ]
 
 
-def packed(entries: dict[str, bytes]) -> Callable[[Path, Path], Path]:
-    def make(_: Path, folder: Path) -> Path:
-        with zipfile.ZipFile(folder / "system.fmu", "w") as archive:
-            for name, content in entries.items():
-                archive.writestr(name, content)
-        return folder / "system.fmu"
-
-    return make
+def packed(entries: dict[str, str | bytes]) -> Callable[[Path, Path], Path]:
+    return lambda _, folder: zipped(folder / "system.fmu", entries)
 
 
+def more(name: str | zipfile.ZipInfo, content: bytes = b"") -> Callable[[Path, Path], Path]:
+    return lambda foundry, folder: with_more(foundry, folder, (name, content))
+
+
+DESCRIPTION = "modelDescription.xml"
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
 @pytest.mark.parametrize(
     ("make", "sentence"),
     [
         *((packed(entries), r"is a system by SSP; .* name the FMU that you need in") for entries in SYSTEMS),
         (packed({"SystemStructure.ssd": b"", "../evil": b""}), "'../evil' of the archive would be unpacked outside"),
+        *((more(name), r"more\.fmu: entry '.*evil' of the archive would be unpacked outside")
+          for name in ("../evil", "resources/../../evil", "/etc/evil", "C:/evil", "resources\\..\\evil")),
+        (more(LINK, b"/etc/passwd"), r"entry 'resources/link' of the archive is a link or device"),
+        (more(DESCRIPTION, xml().encode()), r"the archive has 'modelDescription\.xml' twice"),
+        (packed({"readme.txt": "hello"}), r"not an FMU: the archive has no modelDescription\.xml"),
+        (packed({DESCRIPTION: "<fmiModel"}), r"modelDescription\.xml is not XML"),
+        (packed({DESCRIPTION: xml(version="1.0")}), r"this is FMI 1\.0; export it again"),
+        (packed({DESCRIPTION: xml(version="3.0")}), r"not valid FMI 3\.0: "),
+        (packed({DESCRIPTION: xml().replace('name="gain"', 'name="rate"')}), r"not valid FMI 2\.0: "),
+        *((packed({DESCRIPTION: xml(), **others}), "it has no binaries at all")
+          for others in ({"sources/tiny.c": ""}, {"binaries/": "", "binaries/linux32/": ""})),
         (lambda _, folder: folder / "absent.fmu", r"absent\.fmu: there is no such file; correct the path, or build it"),
         (lambda *_: Path(__file__), r"test_fmu_archive\.py: not an FMU: it is not a zip archive"),
         (with_a_wrong_bit, r"damaged\.fmu: the archive is damaged, 'modelDescription\.xml'"),

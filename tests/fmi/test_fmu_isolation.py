@@ -10,12 +10,9 @@ from wrong import table
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.base.limits import FmuLimits
 from railgrip.fmi import (
-    CoSimulation,
     IsolatedCoSimulation,
     describe,
-    open_plant,
 )
-from railgrip.simulate.loop.interfaces import LoopPlant
 
 PERIOD = 1e-3
 AT_LEISURE = FmuLimits(patience=100.0)
@@ -25,20 +22,6 @@ SOON = 0.5  # s of real time; only an FMU that never returns takes this long
 def isolated(file: Path, limits: FmuLimits = AT_LEISURE, **parameters: object) -> IsolatedCoSimulation:
     description = describe(file)
     return IsolatedCoSimulation(description, tied(description), period=PERIOD, parameters=parameters, limits=limits)
-
-
-def test_the_numbers_equal_those_of_the_same_process(foundry: Path):
-    description = describe(tiny(foundry))
-    inputs = np.random.default_rng(7).normal(size=(20, 1))
-    outputs: list[np.ndarray] = []
-    for kind in (CoSimulation, IsolatedCoSimulation):
-        with kind(description, tied(description), period=PERIOD, parameters={"rate": 5.0}) as plant:
-            assert isinstance(plant, LoopPlant)
-            rows = [plant.start(inputs[0])]
-            rows += [plant.step(u) for u in inputs]
-            assert (plant.sample, plant.time) == (20, 0.02)
-        outputs.append(np.array(rows))
-    np.testing.assert_array_equal(outputs[0], outputs[1])
 
 
 @pytest.mark.parametrize(("misbehaviour", "sentence"), table(__file__, "tables.toml")["failures"])
@@ -76,15 +59,3 @@ def test_a_refusal_to_start_is_reported(foundry: Path, scratch: Path):
 def test_a_wrong_parameter_is_refused_before_a_process_starts(foundry: Path):
     with pytest.raises(FmuError, match=r"'rate' of .* is at most 10"):
         isolated(tiny(foundry), rate=11.0)
-
-
-def test_a_foreign_fmu_is_isolated_and_the_user_is_notified(foundry: Path):
-    description = describe(tiny(foundry))
-    messages: list[str] = []
-    for trust, kind, count in ((True, CoSimulation, 0), (False, IsolatedCoSimulation, 1)):
-        binding = tied(description)
-        plant = open_plant(description, binding, period=PERIOD, parameters={}, trusted=trust, notify=messages.append)
-        assert isinstance(plant, kind)
-        assert len(messages) == count
-    assert "well.fmu is foreign" in messages[0]
-    assert "set trust = true under [vehicle]" in messages[0]

@@ -1,10 +1,11 @@
 """Signals are mapped to variables of an FMU with other names, units and signs, or the error is reported."""
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 import pytest
-from tiny_fmu import tiny, xml
+from tiny_fmu import per_second, tiny, xml
 
 from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.fmi import Binding, CoSimulation, Description, Port, bind, describe
@@ -97,31 +98,35 @@ def test_undriven_inputs_are_reported(foreign: Description):
     assert tied(foreign).unused == ("mode",)
 
 
-def test_a_missing_unit_must_be_stated(foreign: Description):
-    with pytest.raises(FmuError, match=r"does not say the unit of 'y'; state it .* unit = \"m/s\""):
-        tied(foreign, {"speed": "y"})
-    binding = tied(foreign, {"speed": {"variable": "y", "unit": "km/h"}})
-    np.testing.assert_allclose(binding.outputs.channels[0].gain, [1 / 3.6], rtol=1e-15)
+UNKNOWN, PER_MINUTE = xml(state_unit="knots_at_sea"), per_second("1/min", 1 / 60)
+UNDEFINED = xml(state_unit="km/h").replace(
+    '<BaseUnit m="1" s="-1" factor="0.2777777777777778"/>', '<DisplayUnit name="mph"/>'
+)
 
 
-def test_a_unit_that_nobody_defines_is_overruled_by_the_map(foundry: Path):
-    """`unit` in the map is the remedy that the refusal names, and it works."""
-    description = describe(tiny(foundry, description=xml(state_unit="knots_at_sea", input_unit="-")))
-    with pytest.raises(
-        FmuError, match=r"'knots_at_sea' without defining it, .* \{ variable = \"x\", unit = \"m/s\" \}"
-    ):
-        tied(description, {"speed": "x", "command": {"variable": "u", "unit": "Pa"}})
-    binding = tied(
-        description, {"speed": {"variable": "x", "unit": "km/h"}, "command": {"variable": "u", "unit": "Pa"}}
-    )
-    np.testing.assert_allclose(binding.outputs.channels[0].gain, [1 / 3.6], rtol=1e-15)
-
-
-@pytest.mark.parametrize("unit", ["-", "none", "null"])
-def test_a_ratio_may_have_the_words_for_no_unit(foundry: Path, unit: str):
-    description = describe(tiny(foundry, description=xml(output_unit=unit)))
-    binding = bind(description, inputs=[], outputs=[signal("y")])
-    np.testing.assert_array_equal(binding.outputs.channels[0].gain, [1.0])
+@pytest.mark.parametrize(
+    ("text", "entry", "unit", "found"),
+    [
+        (xml(), "y", "m/s", r"does not say the unit of 'y'; state it .* unit = \"m/s\""),
+        (xml(), {"variable": "y", "unit": "km/h"}, "m/s", 1 / 3.6),
+        (UNKNOWN, "x", "m/s", r"'knots_at_sea' without defining it, .* \{ variable = \"x\", unit = \"m/s\" \}"),
+        (UNKNOWN, {"variable": "x", "unit": "km/h"}, "m/s", 1 / 3.6),
+        (UNDEFINED, "x", "m/s", 1 / 3.6),
+        *((xml(state_unit=unit), "x", "1", 1.0) for unit in ("-", "none", "null")),
+        (xml(state_unit="-"), {"variable": "x", "unit": "Pa"}, "Pa", 1.0),
+        # A unit library reads `1/min` as 1/min, a factor of 2π from revolutions; railgrip does not guess.
+        (PER_MINUTE, "x", "rad/s", r'say in mapping what turns: \{ variable = "x", unit = "rev/min" \}, or rad/min'),
+        (PER_MINUTE, {"variable": "x", "unit": "rev/min"}, "rad/s", np.pi / 30),
+        (PER_MINUTE, {"variable": "x", "unit": "rev/s"}, "rad/s", "already gives '1/min'"),
+        (per_second("rev/min", 1 / 60), "x", "rad/s", np.pi / 30),
+    ],
+)
+def test_a_unit_is_that_of_the_fmu_or_of_the_map(foundry: Path, text: str, entry, unit: str, found: float | str):
+    """`unit` in the map is the remedy that each refusal names, and it works."""
+    description = describe(tiny(foundry, description=text))
+    with pytest.raises(FmuError, match=found) if isinstance(found, str) else nullcontext():
+        bound = bind(description, inputs=(), outputs=[signal("own", unit)], table={"own": entry})
+        np.testing.assert_allclose(bound.outputs.channels[0].gain, [found], rtol=1e-15)
 
 
 def test_a_name_that_begins_with_a_minus_is_not_a_negation(foundry: Path):
@@ -144,16 +149,6 @@ def test_a_bound_is_met_within_the_rounding_of_a_conversion(foundry: Path):
     assert sent.values == (0.1,)
     with pytest.raises(FmuError, match="at most 10"):
         assignments(description, {"rate": 10 * (1 + 1e-12)})
-
-
-def test_a_unit_named_but_not_defined_is_read_by_its_name(foundry: Path):
-    text = xml(state_unit="km/h").replace(
-        '<BaseUnit m="1" s="-1" factor="0.2777777777777778"/>', '<DisplayUnit name="mph"/>'
-    )
-    description = describe(tiny(foundry, description=text))
-    np.testing.assert_allclose(
-        tied(description, {"command": {"variable": "u", "unit": "Pa"}}).outputs.channels[0].gain, [1 / 3.6]
-    )
 
 
 def test_an_offset_is_dropped_for_a_difference(foundry: Path):
@@ -267,29 +262,3 @@ def test_parameters_are_converted_to_the_units_of_the_fmu(foundry: Path):
     start = [signal("start_speed", "m/s")]
     binding = bind(description, inputs=[], outputs=[], parameters=start, table={"start_speed": "rate"})
     assert binding.translate({"start_speed": 10.0}) == {"rate": pytest.approx(36.0, rel=1e-15)}
-
-
-def test_a_rotational_speed_without_a_stated_revolution_is_refused(foundry: Path):
-    """A unit library reads `1/min` as 1/min, a factor of 2π from revolutions; railgrip does not guess."""
-    definitions = '<UnitDefinitions>\n<Unit name="1/min"><BaseUnit s="-1" factor="0.016666666666666666"/></Unit>'
-    text = xml(state_unit="1/min").replace("<UnitDefinitions>", definitions)
-    description = describe(tiny(foundry, description=text))
-    outputs = [signal("wheel", "rad/s")]
-    with pytest.raises(
-        FmuError, match=r'say in mapping what turns: \{ variable = "x", unit = "rev/min" \}, or rad/min'
-    ):
-        bind(description, inputs=(), outputs=outputs, table={"wheel": "x"})
-    table = {"wheel": {"variable": "x", "unit": "rev/min"}}
-    gain = bind(description, inputs=(), outputs=outputs, table=table).outputs.channels[0].gain
-    np.testing.assert_allclose(gain, [np.pi / 30], rtol=1e-15)
-    with pytest.raises(FmuError, match="already gives '1/min'"):
-        bind(description, inputs=(), outputs=outputs, table={"wheel": {"variable": "x", "unit": "rev/s"}})
-
-
-def test_a_unit_named_in_revolutions_is_accepted_if_its_definition_counts_them(foundry: Path):
-    definitions = '<UnitDefinitions>\n<Unit name="rev/min"><BaseUnit s="-1" factor="0.016666666666666666"/></Unit>'
-    text = xml(state_unit="rev/min").replace("<UnitDefinitions>", definitions)
-    bound = bind(
-        describe(tiny(foundry, description=text)), inputs=(), outputs=[signal("wheel", "rad/s")], table={"wheel": "x"}
-    )
-    np.testing.assert_allclose(bound.outputs.channels[0].gain, [np.pi / 30], rtol=1e-15)

@@ -9,26 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from faulty_fmu import faulty_fmu, quick_stop
+from faulty_fmu import faulty_fmu, stop_of_plant
 from tiny_fmu import tied, tiny, xml
 from waiting import LONGEST, until
 
 from railgrip.fmi import CoSimulation, IsolatedCoSimulation, describe, open_plant
 from railgrip.report.stop import read_stop
-
-SCENARIO = """
-name = "town"
-seed = 1
-[vehicle]
-plant = "{plant}"
-trust = {trust}
-"""
-
-
-def scenario(folder: Path, plant: Path, *, trust: bool) -> Path:
-    file = folder / "town.toml"
-    file.write_text(SCENARIO.format(plant=plant, trust=str(trust).lower()) + quick_stop("full_brake"))
-    return file
 
 
 @pytest.mark.parametrize("trust", [True, False])
@@ -44,8 +30,8 @@ def test_warnings_are_shown_once_with_their_number_and_stored(
     tmp_path: Path, foundry: Path, command, trust: bool, misbehaviour: str, message: str
 ):
     """From 0.1 s on, each step of 10 ms warns once: the number follows from the duration of the stop."""
-    out = tmp_path / "out"
-    result = command("run", scenario(tmp_path, faulty_fmu(foundry, misbehaviour), trust=trust), "--out", out)
+    file, out = tmp_path / "town.toml", tmp_path / "out"
+    result = command("run", stop_of_plant(file, faulty_fmu(foundry, misbehaviour), trust=trust), "--out", out)
     assert result.code == 0, result.err
     duration = json.loads((out / "stop.json").read_text())["duration_s"]
     count = round(duration / 0.01) - 10
@@ -55,15 +41,10 @@ def test_warnings_are_shown_once_with_their_number_and_stored(
     assert read_stop(out).fmu_warnings == {name: {message: count}}
 
 
-def test_a_stop_without_warnings_stores_none(tmp_path: Path, foundry: Path, command):
-    result = command("run", scenario(tmp_path, faulty_fmu(foundry), trust=True), "--out", tmp_path / "out")
-    assert "warned" not in result.err
-    assert "fmu_warnings" not in json.loads((tmp_path / "out" / "stop.json").read_text())
-
-
 def test_references_become_names(tmp_path: Path, foundry: Path, command):
     """FMI 2.0.4, §2.1.5: #r12# is the Real variable of value reference 12, ## is #; #r99# is not a variable."""
-    result = command("run", scenario(tmp_path, faulty_fmu(foundry, "REFERS"), trust=True), "--out", tmp_path / "out")
+    file = stop_of_plant(tmp_path / "town.toml", faulty_fmu(foundry, "REFERS"))
+    result = command("run", file, "--out", tmp_path / "out")
     assert "it says: error: speed is above #r99#, see #5." in result.err
 
 
@@ -133,7 +114,7 @@ def test_control_codes_do_not_reach_the_terminal(foundry: Path):
 def test_a_signal_ends_the_program_though_a_trusted_fmu_never_returns(tmp_path: Path, foundry: Path, number: int):
     marker = tmp_path / "in_the_step"
     command = str(Path(sys.executable).with_name("railgrip"))
-    file = scenario(tmp_path, faulty_fmu(foundry, "NEVER_RETURNS"), trust=True)
+    file = stop_of_plant(tmp_path / "town.toml", faulty_fmu(foundry, "NEVER_RETURNS"))
     environment = os.environ | {"FAULTY_MARKER": str(marker)}
     process = subprocess.Popen(
         [command, "run", str(file), "--out", str(tmp_path / "out")], stderr=subprocess.PIPE, env=environment

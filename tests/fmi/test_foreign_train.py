@@ -159,6 +159,7 @@ def test_its_scenario_runs_from_file_to_stop_in_a_separate_process(foreign: Desc
     ]
     assert len(messages) == 1
     assert "ForeignTrain.fmu is foreign" in messages[0]
+    assert "set trust = true under [vehicle]" in messages[0]
     alone, here = stops
     assert alone.outcome is Outcome.STANDSTILL
     assert alone.fmus["ForeignTrain.fmu"] == foreign.digest

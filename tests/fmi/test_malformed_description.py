@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from tiny_fmu import tiny, xml
+from tiny_fmu import tiny, xml, zipped
 from wrong import table, words
 
 from railgrip.base.errors import FmuError, RailgripError
@@ -38,10 +38,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def packed(members: dict[str, bytes], description: str, file: Path) -> Path:
-    with zipfile.ZipFile(file, "w") as archive:
-        for name, content in (members | {"modelDescription.xml": description.encode()}).items():
-            archive.writestr(name, content)
-    return file
+    return zipped(file, members | {"modelDescription.xml": description.encode()})
 
 
 def use(file: Path) -> Description:

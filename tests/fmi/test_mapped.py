@@ -1,6 +1,5 @@
 """A mapping for a foreign FMU is found by names of many kinds, and corrected where a short run contradicts it."""
 
-import tomllib
 from contextlib import nullcontext
 from pathlib import Path
 from types import MappingProxyType
@@ -192,21 +191,6 @@ def test_a_unit_is_stated_if_the_fmu_has_none_and_scaled_otherwise():
     }
     assert SignalMapping(signal, "v", 1.0, "").rescale(-1.0).plain == "-v"
     assert SignalMapping(signal, ("a", "b"), -1.0, "").plain == ["-a", "-b"]
-
-
-def test_the_printed_tables_are_toml_that_binds(foundry: Path):
-    names = {"acceleration": "retardation", "speed": "velocity"}
-    theirs = ("front.n", "axle2.n", "axle3.n", "rear.n")
-    names |= {f"wheelset_speed[{i}]": name for i, name in enumerate(theirs, start=1)}
-    description = describe(faulty_fmu(foundry, names=names, defined=("SIGN=-1", "GRIP=0.0981")))
-    draft = find_mapping(description, wheelsets_per_group=(), speed=20.0, period=1e-3)
-    text = "\n".join(draft.lines())
-    table = tomllib.loads(text)["vehicle"]["map"]
-    assert table["wheelset_speed"] == list(theirs)
-    assert table["acceleration"] == "-retardation"
-    assert table["mu0"] == {"variable": "mu0[{i}]", "scale": 0.01}
-    assert "# corrected: mu0 had percent for a ratio" in text
-    assert "WRONG" not in text
 
 
 def test_a_signal_that_is_not_found_is_reported_with_its_unit(foundry: Path):

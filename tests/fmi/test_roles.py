@@ -2,17 +2,17 @@
 
 import re
 import tomllib
-from functools import partial
 from pathlib import Path
 
 import casadi as ca
 import pytest
 from command_line import done
-from faulty_fmu import faulty_fmu, quick_stop
+from faulty_fmu import faulty_fmu, quick_stop, stop_of_plant
+from sampled_systems import sampled
 from wrong import table
 
 from railgrip.base.errors import RailgripError
-from railgrip.base.system import SampledSystem, Variable
+from railgrip.base.system import SampledSystem
 from railgrip.fmi import describe
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native.discrete import sources
@@ -26,21 +26,16 @@ from railgrip.simulate.named_models import role_of
 from railgrip.simulate.run import run_stop
 
 
-def law(*, wheel: str, demand: str, groups: int, pressure: float = 2e5) -> SampledSystem:
+def law(*, wheel: str, demand: str) -> SampledSystem:
     """Return a controller that releases a wheel that turns backwards; `{i}` in names is the group."""
-    speeds = ca.SX.sym("speeds", groups)
-    variable = partial(Variable, description="", start=0.0)
-    numbers = range(1, groups + 1)
-    demands = ca.if_else(speeds < 0.0, 0.0, pressure)
-    return SampledSystem(
-        name="SlipAlone",
-        description="A law that uses wheel speeds alone",
+    speeds = ca.SX.sym("speeds", 4)
+    demands = ca.if_else(speeds < 0.0, 0.0, 2e5)
+    return sampled(
+        ca.Function("step", [ca.SX.sym("calls"), speeds, ca.SX(0, 1)], [ca.SX(1.0), demands]),
         period=10e-3,
-        states=(variable(name="calls", unit="1"),),
-        inputs=tuple(variable(name=wheel.format(i=i), unit="rad/s") for i in numbers),
-        parameters=(),
-        outputs=tuple(variable(name=demand.format(i=i), unit="Pa") for i in numbers),
-        step=ca.Function("step", [ca.SX.sym("calls"), speeds, ca.SX(0, 1)], [ca.SX(1.0), demands]),
+        states=[("calls", "1", 0.0)],
+        inputs=[(wheel.format(i=i), "rad/s", 0.0) for i in range(1, 5)],
+        outputs=[(demand.format(i=i), "Pa", 0.0) for i in range(1, 5)],
     )
 
 
@@ -59,8 +54,8 @@ FILES = (*sorted(PLANTS), *sorted(CONTROLLERS), "TrainPrediction", "onboard", "s
 def files(folder: Path) -> dict[str, Path]:
     """Return one FMU of each role, plants and controllers with names of several tools."""
     trapezoid = load(Path("trapezoid"))
-    numbered = law(wheel="wheelset_speed_{i}", demand="demand_{i}", groups=4)
-    renamed = law(wheel="omega{i}", demand="p_set{i}", groups=4)
+    numbered = law(wheel="wheelset_speed_{i}", demand="demand_{i}")
+    renamed = law(wheel="omega{i}", demand="p_set{i}")
     found = {name: fmu(name) for name in ("TwoPartTrain", "ForeignTrain", "TrainPrediction")}
     found["unnumbered"] = faulty_fmu(folder, names={"speed": "v_train", "acceleration": "retardation"})
     found["law"] = pack(controller_fmu(trapezoid), folder / "law.fmu")
@@ -77,10 +72,10 @@ def expected_role(name: str) -> str:
     return "controller" if name in CONTROLLERS else {"TrainPrediction": "prediction"}.get(name, name)
 
 
-def refusal(path: Path) -> str:
+def refusal(path: str | Path, *overrides: str) -> str:
     """Return the message of a scenario that is refused; empty if it runs."""
     try:
-        run_stop(load(path, ["limits.horizon=0.2 s"]))
+        run_stop(load(Path(path), ["limits.horizon=0.2 s", *overrides]))
     except RailgripError as problem:
         return str(problem)
     return ""
@@ -122,23 +117,17 @@ def test_a_key_accepts_fmus_of_its_role_and_refuses_others_with_their_key(name, 
     [("ideal", "TwoPartTrainPneumatic", "pneumatic"), ("pneumatic", "TwoPartTrain", "ideal")],
 )
 def test_a_plant_for_another_actuation_is_refused_with_the_actuation(actuation, plant, remedy):
-    message = refusal_of("trapezoid", f"vehicle.plant={plant}", f"actuation.kind={actuation}")
+    message = refusal("trapezoid", f"vehicle.plant={plant}", f"actuation.kind={actuation}")
     assert f"set actuation.kind = '{remedy}'" in message
     assert "[vehicle.map]" not in message
 
 
 @pytest.mark.parametrize("recipe", ["ContactPoint", "LateralWheelset", "MultiPurposeVehicle", "LateralPrediction"])
 def test_a_recipe_that_is_not_a_train_is_refused_with_a_list_of_trains(recipe):
-    message = refusal_of("trapezoid", f"vehicle.plant={recipe}")
+    message = refusal("trapezoid", f"vehicle.plant={recipe}")
     assert "is not a train" in message
     assert "TwoPartTrainPneumatic" in message
     assert "lacks" not in message
-
-
-def refusal_of(name: str, *overrides: str) -> str:
-    with pytest.raises(RailgripError) as refused:
-        run_stop(load(Path(name), ["limits.horizon=0.2 s", *overrides]))
-    return str(refused.value)
 
 
 @pytest.mark.parametrize(
@@ -151,7 +140,7 @@ def refusal_of(name: str, *overrides: str) -> str:
     ],
 )
 def test_a_mistyped_plant_or_model_is_refused_with_the_nearest(override, sentence):
-    assert sentence in refusal_of("trapezoid", override)
+    assert sentence in refusal("trapezoid", override)
 
 
 # ---- output of `railgrip map` runs --------------------------------------------------------------------------------
@@ -184,12 +173,7 @@ def plant_text(foundry: Path) -> str:
 
 
 def scenario_with(text: str, foundry: Path, folder: Path, controller: str) -> Path:
-    path = folder / "written.toml"
-    path.write_text(
-        f'name = "written"\nseed = 1\n[vehicle]\nplant = "{foundry / "well.fmu"}"\ntrust = true\n{text}'
-        + quick_stop(controller)
-    )
-    return path
+    return stop_of_plant(folder / "written.toml", foundry / "well.fmu", controller, more=text)
 
 
 @pytest.mark.parametrize("controller", ["full_brake", "slip_two_state", "slip_three_state"])

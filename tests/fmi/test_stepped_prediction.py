@@ -29,6 +29,7 @@ PERIOD = 1e-2
 POINT = np.array([0.3, -0.8, 0.5]), np.array([0.2, -0.1])
 NAMES = {"parameters": {"k": K}, "inputs": ("u[1]", "u[2]"), "outputs": CURVED_OUTPUTS}
 IN_STEP_MODE = 1
+BOTH = [(FmuPrediction, curved), (partial(SteppedFmuPrediction, period=PERIOD), stepped)]
 
 
 def prediction(file: Path, states: str = "abc", period: float = PERIOD) -> SteppedFmuPrediction:
@@ -78,22 +79,6 @@ def test_the_jacobian_is_that_of_the_linearised_step_or_of_the_step(foundry: Pat
         assert not differences.has_directional_derivatives
 
 
-def test_estimates_equal_those_by_model_exchange(foundry: Path):
-    """Two hundred steps of 1 ms with random readings; Runge-Kutta in the filter or in the FMU."""
-    rng, arguments = np.random.default_rng(4), (np.full(3, 1e-3), np.full(2, 1e-2), 1e-3)
-    with (
-        FmuPrediction(describe(curved(foundry)), states=tuple("abc"), **NAMES) as continuous,
-        prediction(stepped(foundry), period=1e-3) as discrete,
-    ):
-        filters = CompiledFilter(continuous, *arguments), CompiledFilter(discrete, *arguments)
-        beliefs = [filter_.start(POINT[0], np.full(3, 0.1)) for filter_ in filters]
-        for _ in range(200):
-            inputs, readings = rng.normal(size=2), rng.normal(size=2)
-            beliefs = [f.step(b, inputs, readings) for f, b in zip(filters, beliefs, strict=True)]
-            np.testing.assert_allclose(beliefs[1].mean, beliefs[0].mean, atol=1e-6)
-            np.testing.assert_allclose(beliefs[1].covariance, beliefs[0].covariance, atol=1e-6)
-
-
 def test_with_differences_estimates_are_those_of_the_exact_jacobian_of_a_step(foundry: Path):
     """The filter written out in numpy, with steps and Jacobians from the variational equations."""
     rng, process, noise = np.random.default_rng(4), np.diag(np.full(3, 1e-3 * PERIOD)), np.diag(np.full(2, 1e-2))
@@ -116,9 +101,11 @@ def test_with_differences_estimates_are_those_of_the_exact_jacobian_of_a_step(fo
             np.testing.assert_allclose(belief.covariance, covariance, atol=1e-6)
 
 
-def test_a_filter_in_c_equals_the_filter_in_numpy(foundry: Path):
+@pytest.mark.parametrize(("kind", "build"), BOTH)
+def test_a_filter_in_c_equals_the_filter_in_numpy(foundry: Path, kind, build):
+    """With the FMU's own derivatives and with differences, which both filters compute equally."""
     for directional in (True, False):
-        with prediction(stepped(foundry, directional=directional), "cab") as model:
+        with kind(describe(build(foundry, directional=directional)), states=tuple("cab"), **NAMES) as model:
             check_filter_in_c(model, PERIOD)
 
 
@@ -128,7 +115,7 @@ def test_an_fmu_may_integrate_by_forward_euler_itself(foundry: Path):
         np.testing.assert_allclose(model.derivative(x, u), derivative(x, u), rtol=1e-12)
 
 
-@pytest.mark.parametrize("build", [curved, stepped])
+@pytest.mark.parametrize(("kind", "build"), BOTH)
 @pytest.mark.parametrize(
     ("wrong", "index", "sentence"),
     [
@@ -139,13 +126,12 @@ def test_an_fmu_may_integrate_by_forward_euler_itself(foundry: Path):
     ],
     ids=["right", "directional derivative", "dependencies of a derivative", "dependencies of an output"],
 )
-def test_wrong_jacobians_of_an_fmu_are_refused(foundry: Path, tmp_path: Path, build, wrong, index, sentence):
+def test_wrong_jacobians_of_an_fmu_are_refused(foundry: Path, tmp_path: Path, kind, build, wrong, index, sentence):
     def declared(name: str, content: bytes) -> tuple[str, bytes]:
         unknown = f'<Unknown index="{index}"'.encode()
         return name, content.replace(unknown + b"/>", unknown + b' dependencies="2"/>') if "xml" in name else content
 
     file = repacked(build(foundry, wrong=wrong), tmp_path / "declared.fmu", declared)
-    kind = FmuPrediction if build is curved else partial(SteppedFmuPrediction, period=PERIOD)
     with kind(describe(file), states=tuple("abc"), **NAMES) as model:
         for x, u in (POINT, (np.array([-4.0, 2.0, 9.0]), np.array([10.0, 3.0]))):
             with pytest.raises(FmuError, match=sentence) if sentence else nullcontext():
@@ -158,8 +144,9 @@ def test_a_filter_has_the_period_of_its_prediction(foundry: Path):
         CompiledFilter(model, np.ones(3), np.ones(2), 0.02)
 
 
-def test_no_files_and_no_saved_states_are_left_behind(foundry: Path, scratch: Path):
-    with prediction(stepped(foundry, IN_STEP_MODE)) as model:
+@pytest.mark.parametrize(("kind", "build"), [*BOTH, (BOTH[1][0], partial(stepped, variant=IN_STEP_MODE))])
+def test_no_files_and_no_saved_states_are_left_behind(foundry: Path, scratch: Path, kind, build):
+    with kind(describe(build(foundry)), states=tuple("abc"), **NAMES) as model:
         assert len(list(scratch.iterdir())) == 1
     assert list(scratch.iterdir()) == []
     with pytest.raises(RuntimeError, match="inside 'with'"):

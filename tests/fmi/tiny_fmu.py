@@ -1,7 +1,7 @@
 """Creates the tiny FMU of tiny.c, well-behaved or with one fault, with any modelDescription.xml."""
 
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import fmpy
@@ -50,7 +50,6 @@ def xml(
     state_unit: str = "",
     input_unit: str = "",
     output_unit: str = "",
-    directional: bool = True,
     relative: bool = False,
     indicators: int = 0,
 ) -> str:
@@ -62,7 +61,6 @@ def xml(
         state_unit: Unit of x, '' for none.
         input_unit: Unit of u.
         output_unit: Unit of y.
-        directional: It offers directional derivatives.
         relative: x is a difference.
         indicators: Event indicators it claims.
     """
@@ -86,8 +84,6 @@ def xml(
     if "CoSimulation" in ways:  # a prediction has no discrete inputs
         rows.append(_row("mode", 10, "input", "discrete", "", 'Integer start="0"'))
     interfaces = "\n  ".join(WAYS[w] for w in ways)
-    if not directional:
-        interfaces = interfaces.replace(' providesDirectionalDerivative="true"', "")
     outputs, initial = ("".join(f'<Unknown index="{i}"/>' for i in indices) for indices in ((1, 6, 7, 8), (2, 6, 7, 8)))
     return "\n".join(
         [
@@ -112,6 +108,20 @@ def packed(file: Path, description: str, library: Path, binary: str) -> Path:
     with zipfile.ZipFile(file, "w") as archive:
         archive.writestr("modelDescription.xml", description)
         archive.write(library, f"binaries/{binary}{fmpy.sharedLibraryExtension}")
+    return file
+
+
+def per_second(name: str, factor: float) -> str:
+    """Return a description in which x has a unit of this name that is defined as a factor times 1/s."""
+    definition = f'<UnitDefinitions>\n<Unit name="{name}"><BaseUnit s="-1" factor="{factor}"/></Unit>'
+    return xml(state_unit=name).replace("<UnitDefinitions>", definition)
+
+
+def zipped(file: Path, members: Mapping[str, str | bytes]) -> Path:
+    """Write an archive of contents by name."""
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
     return file
 
 
