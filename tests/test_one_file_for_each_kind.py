@@ -86,7 +86,7 @@ FAULT = '''
         def act_on(self, site):
             at = site.layout.reading["wheelset_speed"]
             for place in range(at.start, at.stop):
-                site.change_reading("scaled", place, 1.0 - self.share)
+                site.change_reading("scaled", place, value=1.0 - self.share)
 '''
 
 FILTER = '''

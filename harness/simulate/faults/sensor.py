@@ -37,7 +37,7 @@ class _SensorFault(Fault):
             noise = None
             if kind == "noisy":
                 noise = generator(site.scenario.seed, f"faults.{site.number}.{index}").standard_normal(_MAX_DRAWS)
-            site.change_reading(kind, at.start + index, value, noise)
+            site.change_reading(kind, at.start + index, value=value, noise=noise)
 
 
 class SilentSensor(_SensorFault):

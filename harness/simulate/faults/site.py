@@ -1,9 +1,10 @@
 """The faults of a stop in the vectors of the loop, and the location of each."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Literal, TypeVar
 
 import numpy as np
@@ -110,20 +111,20 @@ class Site:
     Attributes:
         scenario: Scenario of the stop.
         layout: Layout of the vectors of the loop.
-        faults: Faults of single readings and commands, which a fault of the scenario adds to.
+        change_reading: `Faults.add_reading` for as long as the fault lasts.
+        change_command: `Faults.add_command` for as long as the fault lasts.
         outputs: Names of the plant's outputs.
         valves: Whether the plant takes valve positions; else it takes pressures.
         number: Zero-based number of the fault in the scenario.
-        samples: The first sample with the fault, `begin`, and the first one after it, `end`.
     """
 
     scenario: Scenario
     layout: Layout
-    faults: Faults
+    change_reading: Callable[..., None]
+    change_command: Callable[..., None]
     outputs: frozenset[str]
     valves: bool
     number: int
-    samples: Mapping[str, int]
 
     @property
     def where(self) -> str:
@@ -133,17 +134,6 @@ class Site:
     def groups(self, number: int | None) -> range:
         """Return the zero-based groups that the fault affects."""
         return places(number, self.layout.formation.groups, self.where, "group")
-
-    def change_reading(self, kind: ReadingKind, place: int, value: float = 0.0, noise: Vector | None = None) -> None:
-        """Change the reading of a sensor; see `Faults.add_reading`."""
-        self.faults.add_reading(kind, place, value=value, noise=noise, **self.samples)
-
-    def change_command(
-        self, kind: CommandKind, group: int, *, value: float = 0.0, delay: int = 0, pressure: float = 0.0,
-        refill: float = 0.0,
-    ) -> None:  # fmt: skip
-        """Change the command to the brake of a group; see `Faults.add_command`."""
-        self.faults.add_command(kind, group, value=value, delay=delay, pressure=pressure, refill=refill, **self.samples)
 
 
 def iterate_faults(faults: Sequence[Fault], kind: type[_Kind]) -> Iterator[tuple[str, _Kind]]:
@@ -178,8 +168,9 @@ def faults_of(scenario: Scenario, layout: Layout, outputs: frozenset[str]) -> Fa
     for number, fault in enumerate(scenario.faults):
         samples = fault.samples(period, scenario.horizon)
         site = Site(
-            scenario=scenario, layout=layout, faults=faults, outputs=outputs, valves=valves, number=number,
-            samples=samples,
+            scenario=scenario, layout=layout, outputs=outputs, valves=valves, number=number,
+            change_reading=partial(faults.add_reading, **samples),
+            change_command=partial(faults.add_command, **samples),
         )  # fmt: skip
         fault.act_on(site)
     return faults or None
