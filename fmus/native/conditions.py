@@ -1,6 +1,6 @@
 """Relations and conditions of a class, whose values the event iteration keeps, and the instants of its time events."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import casadi as ca
@@ -30,8 +30,7 @@ class Relations:
         inclusive: Whether it holds where the indicator is zero.
         steps: Place of a relation that represents a function with steps, such as `floor` → the expression that is a
             whole number at these steps.
-        slot: Relation id of the DAE → place in `memory`.
-        alone: Relation id → expression id of relations that only assertions use, which are never kept.
+        slot: Relation id of the DAE → place in `memory`; relations that only assertions use are never kept.
     """
 
     memory: list[SX] = field(default_factory=list)
@@ -40,8 +39,6 @@ class Relations:
     inclusive: list[bool] = field(default_factory=list)
     steps: dict[int, SX] = field(default_factory=dict)
     slot: dict[int, int] = field(default_factory=dict)
-    expression: dict[int, int] = field(default_factory=dict)
-    alone: dict[int, int] = field(default_factory=dict)
 
 
 def find_relations(dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable[[list[SX]], list[SX]]) -> Relations:
@@ -52,19 +49,19 @@ def find_relations(dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable
         evaluate: Builder of expressions, which uses the symbols in `memory` afterwards.
         with_numbers: Function that replaces constants by their numbers.
     """
-    conditions = dae.systems["conditions"]
+    relations = dae.content["relations"]
     assertion_only = _assertion_only_relations(dae)
-    out = Relations(alone={r["id"]: r["expression"] for r in conditions["relations"] if r["id"] in assertion_only})
-    sites: list[tuple[Node, int, Binding]] = [
-        (r, r["expression"], {}) for r in conditions["relations"] if r["id"] not in assertion_only
+    out = Relations()
+    sites: list[tuple[int | None, int, Binding]] = [
+        (r["id"], r["expression"], {}) for r in relations if r["id"] not in assertion_only
     ]
-    for root in conditions["structured_roots"]:
-        sites += [(root, root["expression"], point) for point in dae.iterate(root["domain"])]
-    listed = {r["expression"] for r in conditions["relations"]}
-    sites += [({}, i, {}) for i in _relations_of_time(dae) if i not in listed]
+    for root in dae.content["structured_roots"]:
+        sites += [(None, root["expression"], point) for point in dae.iterate(root["domain"])]
+    listed = {r["expression"] for r in relations}
+    sites += [(None, i, {}) for i in _relations_of_time(dae) if i not in listed]
     place: dict[Site, SX] = {}
     of_symbols: dict[tuple[str, ...], list[int]] = {}  # equal relations have equal symbols
-    for root, expression, binding in sites:
+    for relation, expression, binding in sites:
         (live,) = with_numbers([evaluate.live(expression, binding).item()])
         similar = of_symbols.setdefault(tuple(sorted(s.name() for s in ca.symvar(live))), [])
         number = next((k for k in similar if ca.is_equal(out.live[k], live, _DEPTH)), None)
@@ -80,14 +77,13 @@ def find_relations(dae: Dae, evaluate: ExpressionBuilder, with_numbers: Callable
             steps = _steps(dae, expression)
             if steps is not None:
                 (out.steps[number],) = with_numbers([evaluate(steps, binding).item()])
-            out.inclusive.append(dae.expressions[expression]["operation"].get("operator", "").endswith("_equal"))
+            out.inclusive.append(operation.get("operator", "").endswith("_equal"))
             out.live.append(live)
             out.indicator.append(indicator)
             out.memory.append(SX.sym(f"relation{number}"))
         place[site(expression, binding)] = out.memory[number]
-        if not binding and "id" in root:
-            out.slot[root["id"]] = number
-            out.expression[root["id"]] = expression
+        if relation is not None:
+            out.slot[relation] = number
     evaluate.remember(place)
     return out
 
@@ -111,7 +107,7 @@ def _relations_of_time(dae: Dae) -> list[int]:
     # relations, too.
     number = {id(node): i for i, node in enumerate(dae.expressions)}
     out: list[int] = []
-    for event in dae.systems["events"]["time_events"]:
+    for event in dae.content["time_events"]:
         span = event["provenance"]["span"]
         nodes = [
             n
@@ -127,35 +123,30 @@ def _relations_of_time(dae: Dae) -> list[int]:
 
 
 def _assertion_only_relations(dae: Dae) -> set[int]:
-    conditions = dae.systems["conditions"]["conditions"]
-    elsewhere: set[int] = set()
-    in_assertions: set[int] = set()
+    def relations(conditions: Iterable[int]) -> set[int]:
+        return {o["relation"] for k in conditions for o in operations(dae, k) if o["kind"] == "relation"}
 
-    def walk(i: int, into: set[int]) -> None:
-        operation = conditions[i]["operation"]
-        if operation["kind"] == "relation":
-            into.add(operation["relation"])
-        for key in ("condition", "lhs", "rhs"):
-            if isinstance(operation.get(key), int):
-                walk(operation[key], into)
+    asserted, elsewhere = list[int](), list[int]()
+    for action in dae.content["event_actions"]:
+        (asserted if action["operation"]["kind"] in ("assert", "warning") else elsewhere).append(action["guard"])
+    branches = [branch for owner in dae.content["discrete_value_owners"] for branch in owner["branches"]]
+    activations = [node["activation"] for node in (*branches, *dae.content["discrete_real_equations"])]
+    elsewhere += [activation["trigger"] for activation in activations if activation["kind"] == "when"]
+    return relations(asserted) - relations(elsewhere)
 
-    for action in dae.systems["events"]["actions"]:
-        walk(action["guard"], in_assertions if action["operation"]["kind"] in ("assert", "warning") else elsewhere)
-    for owner in dae.systems["discrete_values"]["owners"]:
-        for branch in owner["branches"]:
-            if branch["activation"]["kind"] == "when":
-                walk(branch["activation"]["trigger"], elsewhere)
-    for residual in dae.systems["discrete_real"]["residuals"]:
-        if residual["activation"]["kind"] == "when":
-            walk(residual["activation"]["trigger"], elsewhere)
-    return in_assertions - elsewhere
+
+def operations(dae: Dae, condition: int) -> Iterator[Node]:
+    """Yield the operation of a condition, and those of all conditions in it."""
+    operation = dae.content["conditions"][condition]["operation"]
+    yield operation
+    for key in ("condition", "lhs", "rhs"):
+        if isinstance(operation.get(key), int):
+            yield from operations(dae, operation[key])
 
 
 def includes_initial(dae: Dae, condition: int) -> bool:
     """Return whether a condition contains `initial()`."""
-    operation = dae.systems["conditions"]["conditions"][condition]["operation"]
-    children = (operation.get(key) for key in ("condition", "lhs", "rhs"))
-    return operation["kind"] == "initial" or any(includes_initial(dae, k) for k in children if isinstance(k, int))
+    return any(operation["kind"] == "initial" for operation in operations(dae, condition))
 
 
 @dataclass(slots=True)
@@ -177,15 +168,14 @@ class EventConditions:
 
     def level(self, i: int) -> SX:
         """Return whether condition `i` holds."""
-        node = self.dae.systems["conditions"]["conditions"][i]
+        node = self.dae.content["conditions"][i]
         operation = node["operation"]
         kind = operation["kind"]
         if kind == "relation":
-            relation = operation["relation"]
-            if relation in self.relations.slot:
-                self.evaluate.live(self.relations.expression[relation], {})  # for its requirements
-                return self.relations.memory[self.relations.slot[relation]]
-            return self.evaluate.live(self.relations.alone[relation], {}).item()
+            relation = self.dae.content["relations"][operation["relation"]]
+            live = self.evaluate.live(relation["expression"], {}).item()  # also for its requirements
+            slot = self.relations.slot.get(relation["id"])
+            return live if slot is None else self.relations.memory[slot]
         if kind == "always":
             return SX(1)
         if kind == "clock":
@@ -205,7 +195,7 @@ class EventConditions:
 
     def edge(self, i: int) -> SX:
         """Return whether condition `i` has just become true."""
-        operation = self.dae.systems["conditions"]["conditions"][i]["operation"]
+        operation = self.dae.content["conditions"][i]["operation"]
         if operation["kind"] == "any_rise":
             return ca.logic_or(self.edge(operation["lhs"]), self.edge(operation["rhs"]))
         if operation["kind"] in ("clock", "initial"):
@@ -214,7 +204,7 @@ class EventConditions:
             raise self.dae.refuse(
                 "initial() in a condition of a when clause is supported alone or as an element of a vector only (8.6); "
                 "write `when {initial(), ...}`",
-                self.dae.systems["conditions"]["conditions"][i]["provenance"],
+                self.dae.content["conditions"][i]["provenance"],
             )
         if i not in self.edge_conditions:
             self.edge_conditions.append(i)

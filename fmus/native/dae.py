@@ -78,11 +78,6 @@ class Dae:
         return self.content["expressions"]
 
     @property
-    def systems(self) -> Node:
-        """Equations: continuous, initialization, discrete, conditions, events, clocks, temporal."""
-        return self.content["systems"]
-
-    @property
     def variables(self) -> list[Node]:
         """Declared variables, arrays whole."""
         return self.content["variables"]
@@ -97,7 +92,7 @@ class Dae:
         """All calls of functions, with the functions that the front end takes for them."""
         calls = [node for node in self.expressions if node["operation"]["kind"] == "call"]
         called = [self.functions[node["operation"]["function"]] for node in calls]
-        return [Call(f["name"], f["declaration"], n["provenance"]) for f, n in zip(called, calls, strict=True)]
+        return [(f["name"], f["declaration"], n["provenance"]) for f, n in zip(called, calls, strict=True)]
 
     def shape(self, value_type: int) -> tuple[int, ...]:
         """Return the dimensions of a value type."""
@@ -530,7 +525,7 @@ def connect_outer(content: Node, outer: Names) -> list[str]:
 
 
 def _define(content: Node, variable: int, expression: int) -> bool:
-    for owner in content["systems"]["discrete_values"]["owners"]:
+    for owner in content["discrete_value_owners"]:
         if owner["targets"] == [variable] and len(owner["branches"]) == 1:
             owner["branches"][0]["values"][0]["value"] = expression
             return True

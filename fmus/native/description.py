@@ -261,7 +261,7 @@ def _variables(w: Writer, system: System, groups: _Groups, solver: str, toleranc
         w.scalar(s, first["inputs"] + i, variability, causality="input", initial=None, start=s.start)
     for i, s, reference in public("parameters"):
         if i < len(system.variables.free):
-            variability = "tunable" if s.attributes["tunable"] else "fixed"
+            variability = "tunable" if s.attributes["is_tunable"] else "fixed"
             w.scalar(s, reference, variability, causality="parameter", initial="exact", start=s.start)
         else:
             w.scalar(s, reference, "tunable", causality="calculatedParameter")

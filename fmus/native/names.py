@@ -529,19 +529,8 @@ def _fits(target: Kind, value: Kind) -> bool:
     return target == value or (target == "Real" and value == "Integer")
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
-    """A call of a function.
-
-    Attributes:
-        name: Name of the function in the flat class.
-        declaration: Node with the place of its declaration.
-        node: Node with the place of the call.
-    """
-
-    name: str
-    declaration: Node
-    node: Node
+Call = tuple[str, Node, Node]
+"""A call of a function: its name in the flat class, and nodes with the places of its declaration and of the call."""
 
 
 def confused_calls(tree: Tree, calls: Iterable[Call]) -> Iterator[Finding]:
@@ -551,18 +540,18 @@ def confused_calls(tree: Tree, calls: Iterable[Call]) -> Iterator[Finding]:
     of different packages become one.
     """
     declared = {_start(class_.definition["location"]): class_ for class_ in tree.every}
-    for call in calls:
-        written = re.match(r"[\w.]*", tree.text(call.node["span"]))
-        if written is None or written[0] != call.name:
+    for name, declaration, node in calls:
+        written = re.match(r"[\w.]*", tree.text(node["span"]))
+        if written is None or written[0] != name:
             continue
-        right = tree.resolve(call.name, _around(tree, call.node["span"]))
-        taken = declared.get(_start(call.declaration["span"]))
+        right = tree.resolve(name, _around(tree, node["span"]))
+        taken = declared.get(_start(declaration["span"]))
         # A short class is declared where its base is.
         names = {class_.name for class_ in (right, *tree.bases(right))} if right is not None else set[str]()
         if right is not None and taken is not None and taken.name not in names:
             yield (
-                call.node,
-                f"{call.name} is {right.name}, but the built-in compiler takes {taken.name}, which has the same name; "
+                node,
+                f"{name} is {right.name}, but the built-in compiler takes {taken.name}, which has the same name; "
                 "rename one of them (5.3)",
             )
 

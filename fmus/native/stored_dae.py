@@ -18,48 +18,26 @@ VERSION = 43
 
 
 def convert(stored: Node) -> Node:
-    """Return the variables, functions, domains, value types, expressions and systems of a DAE.
+    """Return a DAE in that form.
 
     Args:
         stored: The object `storage` of rumoca's JSON of a DAE; parts of it are in the result.
     """
     types = stored["value_types"]
     expressions, steps = _expressions(stored["expressions"])
-    return {
-        "value_types": types,
+    owners = [o | {"branches": [_activated(b) for b in o["branches"]]} for o in stored["discrete_value_owners"]]
+    return stored | {
         "variables": [_variable(i, v, types[v["value_type"]]) for i, v in enumerate(stored["variables"])],
         "functions": [_function(f) for f in stored["functions"]],
-        "domains": stored["domains"],
         "expressions": expressions,
-        "systems": {
-            "continuous": {"owners": [_tagged(o) for o in stored["continuous_equation_operations"]]},
-            "initialization": {
-                "parameter_values": stored["initial_parameter_values"],
-                "discrete_values": stored["initial_discrete_values"],
-                "owners": [_tagged(o) for o in stored["initialization_equation_operations"]],
-            },
-            "discrete_real": {"residuals": [_activated(e) for e in stored["discrete_real_equations"]]},
-            "discrete_values": {
-                "owners": [
-                    o | {"branches": [_activated(b) for b in o["branches"]]} for o in stored["discrete_value_owners"]
-                ]
-            },
-            "conditions": {
-                "relations": [_relation(i, r, expressions, steps) for i, r in enumerate(stored["relations"])],
-                "conditions": [_with_operation(c, "node") for c in stored["conditions"]],
-                "structured_roots": stored["structured_roots"],
-            },
-            "events": {
-                "time_events": stored["time_events"],
-                "actions": [_with_operation(a, "kind") for a in stored["event_actions"]],
-            },
-            "clocks": {"clocks": [_with_operation(c, "kind") for c in stored["clocks"]]},
-            "temporal": {
-                "previous": stored["previous_values"],
-                "terminals": stored["terminals"],
-                "delays": stored["delays"],
-            },
-        },
+        "continuous_equation_operations": [_tagged(o) for o in stored["continuous_equation_operations"]],
+        "initialization_equation_operations": [_tagged(o) for o in stored["initialization_equation_operations"]],
+        "discrete_real_equations": [_activated(e) for e in stored["discrete_real_equations"]],
+        "discrete_value_owners": owners,
+        "relations": [_relation(i, r, expressions, steps) for i, r in enumerate(stored["relations"])],
+        "conditions": [_with_operation(c, "node") for c in stored["conditions"]],
+        "event_actions": [_with_operation(a, "kind") for a in stored["event_actions"]],
+        "clocks": [_with_operation(c, "kind") for c in stored["clocks"]],
     }
 
 
@@ -88,30 +66,10 @@ def _with_operation(node: Node, name: str) -> Node:
 
 
 def _variable(number: int, variable: Node, value_type: Node) -> Node:
-    name, shape, attributes = variable["name"], value_type["dimensions"], variable["attributes"]
-    fixed = attributes["fixed"]
+    name, shape = variable["name"], value_type["dimensions"]
     points = product(*(range(1, n + 1) for n in shape))
-    return {
-        "id": number,
-        "name": name,
-        "role": variable["role"],
-        "value_type": value_type,
-        "scalar_names": [f"{name}[{','.join(map(str, point))}]" for point in points] if shape else [name],
-        "declaration": variable["declaration"],
-        "attributes": {
-            "binding": attributes["binding"],
-            "start": attributes["start"],
-            "fixed": fixed[0] if fixed is not None and len(set(fixed)) == 1 else None,
-            "minimum": attributes["min"],
-            "maximum": attributes["max"],
-            "nominal": attributes["nominal"],
-            "unit": attributes["unit"],
-            "state_select": attributes["state_select"],
-            "description": attributes["description"],
-            "causality": attributes["causality"],
-            "tunable": attributes["is_tunable"],
-        },
-    }
+    names = [f"{name}[{','.join(map(str, point))}]" for point in points] if shape else [name]
+    return variable | {"id": number, "value_type": value_type, "scalar_names": names}
 
 
 def _relation(number: int, relation: Node, expressions: Sequence[Node], steps: Sequence[int]) -> Node:
@@ -202,7 +160,6 @@ def _parts(operation: Node) -> Iterator[int]:
 
 
 def _function(function: Node) -> Node:
-    values = [*function["outputs"], *function["locals"]]
     definitions: list[Node] = []
     folds: list[Node] = []
     assertions: list[Node] = []
@@ -236,13 +193,10 @@ def _function(function: Node) -> Node:
                     raise TranslationError(f"function {function['name']}: statements of kind {kind} are not supported")
 
     run(function["statements"])
-    return {
-        "name": function["name"],
-        "values": values,
+    return function | {
+        "values": [*function["outputs"], *function["locals"]],
         "definitions": definitions,
         "assertions": assertions,
         "folds": folds,
         "results": [last.get(i) for i in range(len(function["outputs"]))],
-        "external": function["external"],
-        "declaration": function["declaration"],
     }

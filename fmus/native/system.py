@@ -1,7 +1,7 @@
 """The checked DAE as explicit expressions: derivatives, algebraic variables, events, initial values."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import casadi as ca
@@ -156,7 +156,7 @@ def explicit(dae: Dae) -> System:
     conditions = EventConditions(dae=dae, evaluate=evaluate, relations=relations, ticks=ticks)
     evaluate.conditions = conditions.level
 
-    equations = _with_numbers(v, _equations(dae, evaluate, "continuous"))
+    equations = _with_numbers(v, _equations(evaluate, "continuous"))
     # First of all equations together, because each call has a fixed cost.
     for equation in equations if ca.depends_on(column([e.residual for e in equations]), column(ticks)) else ():
         if ca.depends_on(equation.residual, column(ticks)):
@@ -188,10 +188,8 @@ def explicit(dae: Dae) -> System:
     coefficients = _between_events(v, [coefficient for coefficient, _ in loops.divisors.values()])
     events, crossings = _time_events(v, time, relations, indicators, steps)
     divisors = _coefficients(loops.divisors, coefficients, v)
-    start, calculated, start_discretes = _solve_start(dae, evaluate, v, states, algebraics, index_one, start_loops)
-    (discretes, reinitialised, live, levels), assertions = _at_events(
-        dae, evaluate, v, conditions, states, index_one, loops
-    )
+    start, calculated, start_discretes = _solve_start(evaluate, v, states, algebraics, index_one, start_loops)
+    (discretes, reinitialised, live, levels), assertions = _at_events(v, conditions, states, index_one, loops)
     return System(
         class_name=dae.class_name,
         time=time,
@@ -264,19 +262,12 @@ def _coefficients(divisors: dict[str, tuple[SX, str]], coefficients: list[SX], v
 
 
 def _at_events(
-    dae: Dae,
-    evaluate: ExpressionBuilder,
-    v: ModelVariables,
-    conditions: EventConditions,
-    states: list[Scalar],
-    index_one: IndexOne,
-    loops: Loops,
+    v: ModelVariables, conditions: EventConditions, states: list[Scalar], index_one: IndexOne, loops: Loops
 ) -> tuple[list[SX], list[Assertion]]:
     # The event system and the assertions have the same loops again; `loops` must list each once.
-    blocks, running = list(loops.blocks), set(loops.guesses)
-    event_equations, event_states = _event_equations(dae, evaluate, v, conditions, states)
-    assertions = _assertions(dae, evaluate, conditions)
-    assertions += _requirements(dae, evaluate, v, conditions)
+    dae, blocks, running = conditions.dae, list(loops.blocks), set(loops.guesses)
+    event_equations, event_states = _event_equations(v, conditions, states)
+    assertions = _assertions(conditions) + _requirements(v, conditions)
     assertions.sort(key=lambda a: WHEN.index(a.when))  # in the order of their values below
     # `conditions.edge_conditions` is complete only now: the event equations add to it.
     targets = v.with_numbers([
@@ -320,11 +311,9 @@ WHEN = ("running", "parameters", "start", "event")
 """Times when assertions are checked, see `Assertion`."""
 
 
-def _requirements(
-    dae: Dae, evaluate: ExpressionBuilder, v: ModelVariables, conditions: EventConditions
-) -> list[Assertion]:
+def _requirements(v: ModelVariables, conditions: EventConditions) -> list[Assertion]:
     # Most divisors are parameters, which are checked once.
-    every = evaluate.requirements()
+    every = conditions.evaluate.requirements()
     values = iter(v.with_numbers([e for _, r in every for e in (r.holds, r.found)]))
     parameters = {s.symbol.name() for s in [*v.free, *v.dependent]}
     before = {s.name() for s in v.previous}
@@ -334,7 +323,7 @@ def _requirements(
         holds, found = as_sx(next(values)), as_sx(next(values))
         if is_number(holds):
             if not float(holds):
-                raise TranslationError(f"{r.where}: {dae.class_name}: {r.sentence}{float(found):g}.")
+                raise TranslationError(f"{r.where}: {conditions.dae.class_name}: {r.sentence}{float(found):g}.")
             continue
         used = {s.name() for s in ca.symvar(ca.vertcat(holds, found))}
         times = [when]
@@ -405,15 +394,14 @@ def _refuse_unsupported(dae: Dae) -> None:
             "comprehension, as in {a[i].z[2] for i in 1:3}",
             node["provenance"],
         )
-    temporal = dae.systems["temporal"]
-    for delay in temporal["delays"]:
+    for delay in dae.content["delays"]:
         raise dae.refuse(f"delay is not supported: {dae.text(delay['provenance'])}", delay["provenance"])
-    for kind in ("previous", "terminals"):
-        for node in temporal[kind]:
-            raise dae.refuse(f"{kind} is not supported", node.get("provenance"))
-    initialization = dae.systems["initialization"]
-    for node in initialization["parameter_values"]:
-        raise dae.refuse("initial values of parameters are not supported", node.get("provenance"))
+    for key, what in (
+        ("previous_values", "previous is"), ("terminals", "terminals is"),
+        ("initial_parameter_values", "initial values of parameters are"),
+    ):  # fmt: skip
+        for node in dae.content[key]:
+            raise dae.refuse(f"{what} not supported", node.get("provenance"))
 
 
 def _with_numbers(v: ModelVariables, equations: list[Equation]) -> list[Equation]:
@@ -421,9 +409,9 @@ def _with_numbers(v: ModelVariables, equations: list[Equation]) -> list[Equation
     return [Equation(as_sx(r), e.where) for r, e in zip(residuals, equations, strict=True)]
 
 
-def _equations(dae: Dae, evaluate: ExpressionBuilder, system: str) -> list[Equation]:
-    out: list[Equation] = []
-    for owner in dae.systems[system]["owners"]:
+def _equations(evaluate: ExpressionBuilder, system: str) -> list[Equation]:
+    dae, out = evaluate.dae, list[Equation]()
+    for owner in dae.content[f"{system}_equation_operations"]:
         where = dae.where(owner.get("provenance"))
         bodies = [owner["residual"]] if owner["kind"] == "residual" else owner["bodies"]
         points: Iterable[dict[tuple[int, int], int]] = [{}]
@@ -445,7 +433,7 @@ def _equations(dae: Dae, evaluate: ExpressionBuilder, system: str) -> list[Equat
 def _clocks(dae: Dae, v: ModelVariables) -> list[tuple[float, float]]:
     out: list[tuple[float, float]] = []
     settable = {p.name.rpartition(".")[2] for p in [*v.free, *v.dependent]}
-    for clock in dae.systems["clocks"]["clocks"]:
+    for clock in dae.content["clocks"]:
         operation = clock["operation"]
         text = dae.text(clock["provenance"])
         if operation["kind"] != "periodic" or not re.match(r"sample\s*\((?!.*\bClock\b)", text):
@@ -489,21 +477,16 @@ def _split_states(
 
 
 def _solve_start(
-    dae: Dae,
-    evaluate: ExpressionBuilder,
-    v: ModelVariables,
-    states: list[Scalar],
-    algebraics: list[Scalar],
-    index_one: IndexOne,
-    loops: Loops,
-) -> tuple[SX, list[bool], dict[int, SX]]:
+    evaluate: ExpressionBuilder, v: ModelVariables, states: list[Scalar], algebraics: list[Scalar],
+    index_one: IndexOne, loops: Loops,
+) -> tuple[SX, list[bool], dict[int, SX]]:  # fmt: skip
     # The initial values of the states, whether each of them depends on parameters or initial equations, and the place
     # of each discrete variable whose value before the start depends on these with that value.
     # Initial equations may determine any variable, so they are solved together with the equations of the model.
-    starts = v.with_numbers([s.binding for s in states])
+    class_name, starts = evaluate.dae.class_name, v.with_numbers([s.binding for s in states])
     calculated = [not is_number(value) for value in starts]
     with evaluate.during("start"):
-        initial, targets = _initial_equations(dae, evaluate, v, algebraics)
+        initial, targets = _initial_equations(evaluate, v, algebraics)
     before = v.with_numbers([d.binding for d in v.discretes])
     discretes = {i: as_sx(e) for i, e in enumerate(before) if not is_number(e) and i not in targets}
     if not initial:
@@ -514,7 +497,7 @@ def _solve_start(
         unknown = ", ".join([s.name for s in free] + [f"pre({v.discretes[i].name})" for i in targets])
         spare = len(initial) - len(free) - len(targets)
         raise TranslationError(
-            f"{dae.class_name}: the initial values are not determined: the number of initial equations is "
+            f"{class_name}: the initial values are not determined: the number of initial equations is "
             f"{len(initial)} ({places}), that of initial values without a fixed start {len(free) + len(targets)} "
             f"({unknown or 'none'}). A fixed start of a variable that is not a state is an initial equation. "
             f"Set fixed = {'false' if spare > 0 else 'true'} for {abs(spare)} start values, or change the initial "
@@ -525,9 +508,9 @@ def _solve_start(
         [*index_one.unknowns, *(s.symbol for s in free), *(v.previous[i] for i in targets)],
         [vector(free), column([v.previous[i] for i in targets])],
         loops,
-        dae.class_name,
+        class_name,
     )
-    _require_known(dae, v, discretes, [solution, determined, *loops.updates.values(), *loops.residuals.values()])
+    _require_known(class_name, v, discretes, [solution, determined, *loops.updates.values(), *loops.residuals.values()])
     place = {s.name: i for i, s in enumerate(free)}
     start = [solution[place[s.name]] if s.name in place else starts[i] for i, s in enumerate(states)]
     calculated = [is_calculated or s.name in place for is_calculated, s in zip(calculated, states, strict=True)]
@@ -535,18 +518,18 @@ def _solve_start(
 
 
 def _initial_equations(
-    dae: Dae, evaluate: ExpressionBuilder, v: ModelVariables, algebraics: list[Scalar]
+    evaluate: ExpressionBuilder, v: ModelVariables, algebraics: list[Scalar]
 ) -> tuple[list[Equation], list[int]]:
     # Initial equations, fixed start values of other variables than states (MLS 3.6, section 8.6), and the places of the
     # discrete variables that they determine.
-    equations = _equations(dae, evaluate, "initialization")
+    dae, equations = evaluate.dae, _equations(evaluate, "initialization")
     equations += [
         Equation(s.symbol - s.binding, f"{dae.where(s.provenance)} ({s.name})") for s in algebraics if s.fixed
     ]
     targets: list[int] = []
     slot = {s.name: i for i, s in enumerate(v.discretes)}
-    held = _held_at_start(dae, v)
-    for node in dae.systems["initialization"]["discrete_values"]:
+    held = _held_at_start(evaluate, v)
+    for node in dae.content["initial_discrete_values"]:
         scalars, values = v.of_id[node["target"]], evaluate(node["value"])
         for scalar, value in zip(scalars, np.broadcast_to(values, len(scalars)).flat, strict=True):
             i = slot.get(scalar.name)
@@ -574,48 +557,51 @@ def _initial_equations(
     return equations, targets
 
 
-def _held_at_start(dae: Dae, v: ModelVariables) -> set[str]:
+def _held_at_start(evaluate: ExpressionBuilder, v: ModelVariables) -> set[str]:
     def active(activation: Node) -> bool:
-        return activation["kind"] != "when" or includes_initial(dae, activation["trigger"])
+        return activation["kind"] != "when" or includes_initial(evaluate.dae, activation["trigger"])
 
-    changed: set[str] = set()
-    for owner in dae.systems["discrete_values"]["owners"]:
-        if any(active(branch["activation"]) for branch in owner["branches"]):
-            changed |= {s.name for target in owner["targets"] for s in v.of_id[target]}
-    for residual in dae.systems["discrete_real"]["residuals"]:
-        if active(residual["activation"]):
-            left = dae.expressions[dae.expressions[residual["residual"]]["operation"]["lhs"]]
-            changed |= {s.name for s in v.of_id.get(left["operation"].get("coordinate", {}).get("id"), v.discretes)}
+    changed = set[str]()
+    for equation, sides in _discrete_equations(evaluate, v):
+        if active(equation["activation"]):
+            changed.update(*(names for names, _ in sides))
     return {s.name for s in v.discretes} - changed
 
 
-def _require_known(dae: Dae, v: ModelVariables, known: Mapping[int, SX], expressions: list[SX]) -> None:
+def _discrete_equations(
+    evaluate: ExpressionBuilder, v: ModelVariables
+) -> Iterator[tuple[Node, list[tuple[list[str], int]]]]:
+    # Each equation or branch that sets discrete variables, with the names of these and the expressions of their values.
+    dae = evaluate.dae
+    for residual in dae.content["discrete_real_equations"]:
+        operation = dae.expressions[residual["residual"]]["operation"]
+        yield residual, [([str(symbol) for symbol in evaluate(operation["lhs"]).flat], operation["rhs"])]
+    for owner in dae.content["discrete_value_owners"]:
+        names = [[s.name for s in v.of_id[target]] for target in owner["targets"]]
+        for branch in owner["branches"]:
+            yield branch, list(zip(names, (value["value"] for value in branch["values"]), strict=True))
+
+
+def _require_known(class_name: str, v: ModelVariables, known: Mapping[int, SX], expressions: list[SX]) -> None:
     previous = {v.previous[i].name() for i, s in enumerate(v.discretes) if not s.fixed and i not in known}
     unknown = sorted({s.name() for e in expressions for s in ca.symvar(SX(e))} & previous)
     if unknown:
         raise TranslationError(
-            f"{dae.class_name}: the initial equations depend on {unknown[0]}, which none of them determines."
+            f"{class_name}: the initial equations depend on {unknown[0]}, which none of them determines."
         )
 
 
 def _event_equations(
-    dae: Dae, evaluate: ExpressionBuilder, v: ModelVariables, conditions: EventConditions, states: list[Scalar]
+    v: ModelVariables, conditions: EventConditions, states: list[Scalar]
 ) -> tuple[list[Equation], list[SX]]:
+    dae, evaluate = conditions.dae, conditions.evaluate
     slot = {s.name: i for i, s in enumerate(v.discretes)}
     branches: dict[int, list[tuple[SX, SX, str]]] = {}
-    for residual in dae.systems["discrete_real"]["residuals"]:
-        operation = dae.expressions[residual["residual"]]["operation"]
-        active, where = conditions.active(residual["activation"]), dae.where(residual["provenance"])
-        values = _at_event(evaluate, operation["rhs"], active)
-        for name, value in zip(evaluate(operation["lhs"]).flat, values.flat, strict=True):
-            branches.setdefault(slot[str(name)], []).append((active, SX(value), where))
-    for owner in dae.systems["discrete_values"]["owners"]:
-        for branch in owner["branches"]:
-            active, where = conditions.active(branch["activation"]), dae.where(branch["provenance"])
-            for target, value in zip(owner["targets"], branch["values"], strict=True):
-                elements = _at_event(evaluate, value["value"], active)
-                for scalar, element in zip(v.of_id[target], elements.flat, strict=True):
-                    branches.setdefault(slot[scalar.name], []).append((active, SX(element), where))
+    for equation, sides in _discrete_equations(evaluate, v):
+        active, where = conditions.active(equation["activation"]), dae.where(equation["provenance"])
+        for names, expression in sides:
+            for name, value in zip(names, _at_event(evaluate, expression, active).flat, strict=True):
+                branches.setdefault(slot[name], []).append((active, SX(value), where))
     equations: list[Equation] = []
     for i, scalar in enumerate(v.discretes):
         value, where = v.previous[i], branches[i][0][2] if i in branches else dae.class_name
@@ -624,7 +610,7 @@ def _event_equations(
         equations.append(Equation(scalar.symbol - value, where))
     after = [s.symbol for s in states]
     place = {s.name: i for i, s in enumerate(states)}
-    for action in dae.systems["events"]["actions"]:
+    for action in dae.content["event_actions"]:
         operation = action["operation"]
         if operation["kind"] == "reinitialize":
             if includes_initial(dae, action["guard"]):
@@ -659,9 +645,10 @@ def _state_place(dae: Dae, v: ModelVariables, operation: Node, place: dict[str, 
     return place[scalars[0].name]
 
 
-def _assertions(dae: Dae, evaluate: ExpressionBuilder, conditions: EventConditions) -> list[Assertion]:
+def _assertions(conditions: EventConditions) -> list[Assertion]:
+    dae, evaluate = conditions.dae, conditions.evaluate
     out: list[Assertion] = []
-    for action in dae.systems["events"]["actions"]:
+    for action in dae.content["event_actions"]:
         operation = action["operation"]
         if operation["kind"] not in ("assert", "warning"):
             continue
@@ -673,7 +660,7 @@ def _assertions(dae: Dae, evaluate: ExpressionBuilder, conditions: EventConditio
             raise dae.refuse("sample() in the condition of an assertion is not supported", action["provenance"])
         found = Assertion(
             holds=SX(holds),
-            message=_message(dae, evaluate, operation["message"]),
+            message=_message(evaluate, operation["message"]),
             level="error" if operation["kind"] == "assert" else "warning",
             where=dae.where(action["provenance"]),
         )
@@ -687,14 +674,15 @@ def _assertions(dae: Dae, evaluate: ExpressionBuilder, conditions: EventConditio
     return out
 
 
-def _message(dae: Dae, evaluate: ExpressionBuilder, expression: int) -> Message:
-    node = dae.expressions[expression]
+def _message(evaluate: ExpressionBuilder, expression: int) -> Message:
+    node = evaluate.dae.expressions[expression]
     operation = node["operation"]
     if operation["kind"] == "literal" and "string" in operation["value"]:
         return (operation["value"]["string"],)
     if operation["kind"] == "binary" and operation["operator"] == "add":
-        return _message(dae, evaluate, operation["lhs"]) + _message(dae, evaluate, operation["rhs"])
+        return _message(evaluate, operation["lhs"]) + _message(evaluate, operation["rhs"])
     if operation["kind"] == "string_conversion":
         with evaluate.during("never"):  # the message of an assertion that holds is never formed
             return (SX(evaluate(operation["value"]).item()),)
-    raise dae.refuse(f"this text of a message is not supported: {dae.text(node['provenance'])}", node["provenance"])
+    text = evaluate.dae.text(node["provenance"])
+    raise evaluate.dae.refuse(f"this text of a message is not supported: {text}", node["provenance"])

@@ -10,9 +10,8 @@ import numpy as np
 
 from railgrip.fmus.native.arrays import SX, Array, array, as_sx, is_number
 from railgrip.fmus.native.dae import Dae, Node
-from railgrip.fmus.native.expressions import ExpressionBuilder
+from railgrip.fmus.native.expressions import STORE, ExpressionBuilder
 
-KIND = {"output": "algebraic", "discrete_real": "discrete", "discrete_value": "discrete"}
 KINDS = ("parameter", "constant", "input", "state", "algebraic", "discrete")
 
 
@@ -82,14 +81,11 @@ class ModelVariables:
 
     def numbers(self) -> dict[tuple[str, int], Array]:
         """Return the values of constants and structural parameters by store and variable id."""
-        known = (
-            {s.name(): value for s, value in zip(*map(ca.vertsplit, self.constants), strict=True)}
-            if (self.constants[0].numel())
-            else {}
-        )
+        symbols, values = (ca.vertsplit(part) if part.numel() else [] for part in self.constants)
+        known = {s.name(): value for s, value in zip(symbols, values, strict=True)}
         return {
-            key: array([known.get(s.name(), s) for s in symbols.flat], symbols.shape)
-            for key, symbols in self.symbols.items()
+            key: array([known.get(s.name(), s) for s in of.flat], of.shape)
+            for key, of in self.symbols.items()
             if key[0] in ("parameter", "constant")
         }
 
@@ -114,7 +110,7 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
     of_id: dict[int, list[Scalar]] = {}
     symbols: dict[tuple[str, int], Array] = {}
     for v in dae.variables:
-        kind, type_, names = KIND.get(v["role"], v["role"]), v["value_type"]["scalar"], v["scalar_names"]
+        kind, type_, names = STORE.get(v["role"], v["role"]), v["value_type"]["scalar"], v["scalar_names"]
         if type_ == "string" and kind in ("parameter", "constant") and not dae.is_read(v["id"]):
             of_id[v["id"]] = []
             continue
@@ -132,7 +128,7 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
         if kind == "discrete":
             symbols["pre", v["id"]] = array([SX.sym(f"pre({name})") for name in names], shape)
         attributes = v["attributes"]
-        fixed = np.broadcast_to(np.ravel(attributes["fixed"] if attributes["fixed"] is not None else False), len(names))
+        fixed = set(attributes["fixed"] or ())
         # A protected output belongs to the equations of its class, and not to its interface.
         protected = v["name"] in dae.protected
         of_id[v["id"]] = [
@@ -145,12 +141,11 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
                 attributes=attributes,
                 provenance=v["declaration"],
                 protected=protected,
-                fixed=bool(fixed[i]),
+                fixed=fixed == {True},
             )
-            for i, (name, symbol) in enumerate(zip(names, scalars, strict=True))
+            for name, symbol in zip(names, scalars, strict=True)
         ]
-        unbound = kind == "parameter" and attributes["binding"] is None
-        if unbound and attributes["fixed"] is not None and not np.all(attributes["fixed"]):
+        if kind == "parameter" and attributes["binding"] is None and fixed == {False}:
             raise dae.refuse(f"parameter {v['name']}(fixed=false) is not supported", v["declaration"])
     return of_id, symbols
 
@@ -205,7 +200,7 @@ def settle(
 def _is_structural(p: Scalar) -> bool:
     # Integers, Booleans and enumerations may have decided sizes, conditional components or if-equations in the front
     # end, which does not report it. A final number cannot be set.
-    return p.type != "real" or (not p.attributes["tunable"] and p.expression is not None and is_number(p.expression))
+    return p.type != "real" or (not p.attributes["is_tunable"] and p.expression is not None and is_number(p.expression))
 
 
 def _set_start(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> None:
@@ -225,10 +220,10 @@ _Bound = tuple[Scalar, str, SX]
 def _bounds(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> Iterator[_Bound]:
     if v["value_type"]["scalar"] not in ("real", "integer"):
         return
-    for name in ("minimum", "maximum", "nominal"):
-        if v["attributes"][name] is not None:
+    for key, name in (("min", "minimum"), ("max", "maximum"), ("nominal", "nominal")):
+        if v["attributes"][key] is not None:
             with evaluate.during("never"):
-                values = _elements(v, evaluate(v["attributes"][name]))
+                values = _elements(v, evaluate(v["attributes"][key]))
             yield from ((s, name, value) for s, value in zip(scalars, values, strict=True))
 
 

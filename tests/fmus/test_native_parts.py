@@ -434,7 +434,7 @@ def test_equations_of_an_unknown_kind_of_loop_are_refused(tmp_path):
     """Another version of the front end may write others; guessed, each could be repeated or left out."""
     (tmp_path / "Chain.mo").write_text(CHAIN)
     dae = read("Chain", tmp_path / "Chain.mo")
-    owner = next(o for s in dae.systems.values() for o in s.get("owners", ()) if o.get("scalar_view"))
+    owner = next(o for o in dae.content["continuous_equation_operations"] if o.get("scalar_view"))
     owner["scalar_view"] = "Diagonal"
     with pytest.raises(
         TranslationError, match=r"^Chain\.mo:\d+: Chain: equations of the kind Diagonal are not supported"
