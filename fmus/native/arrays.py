@@ -10,7 +10,7 @@ import operator
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import partial, reduce
 from typing import Any
 
 import casadi as ca
@@ -128,23 +128,13 @@ def _product(a: Array, b: Array) -> Array:
     return each(SX)(as_array(np.dot(a, b)))
 
 
-def _same_shapes(function: Callable[[SX, SX], SX]) -> Callable[[Array, Array], Array]:
+def _elementwise(function: Callable[[SX, SX], SX], *, allows_scalar: bool = True) -> Callable[[Array, Array], Array]:
     elementwise = each(function, 2)
+    rule = "the sizes must be equal, or one side a scalar" if allows_scalar else "the sizes of both sides must be equal"
 
     def apply(a: Array, b: Array) -> Array:
-        if a.shape != b.shape:
-            raise ShapeError(f"{_shape(a)} and {_shape(b)}: the sizes of both sides must be equal (10.6)")
-        return elementwise(a, b)
-
-    return apply
-
-
-def _elementwise(function: Callable[[SX, SX], SX]) -> Callable[[Array, Array], Array]:
-    elementwise = each(function, 2)
-
-    def apply(a: Array, b: Array) -> Array:
-        if a.shape != b.shape and a.ndim and b.ndim:
-            raise ShapeError(f"{_shape(a)} and {_shape(b)}: the sizes must be equal, or one side a scalar (10.6)")
+        if a.shape != b.shape and not (allows_scalar and 0 in (a.ndim, b.ndim)):
+            raise ShapeError(f"{_shape(a)} and {_shape(b)}: {rule} (10.6)")
         return elementwise(a, b)
 
     return apply
@@ -191,7 +181,7 @@ _RELATIONS: dict[str, Callable[[SX, SX], SX]] = {
     "or": ca.logic_or,
 }
 BINARY: dict[str, Callable[[Array, Array], Array]] = {
-    **{name: _same_shapes(function) for name, function in (_ARITHMETIC | _RELATIONS).items()},
+    **{name: _elementwise(f, allows_scalar=False) for name, f in (_ARITHMETIC | _RELATIONS).items()},
     **{f"elementwise_{name}": _elementwise(function) for name, function in _ARITHMETIC.items()},
     "multiply": _product,
     "divide": _quotient,
@@ -420,38 +410,27 @@ def _is_whole(value: SX) -> SX:
     return value == ca.floor(value)
 
 
-def _nonnegative(value: SX) -> bool:
-    # Whether an expression cannot be negative by its form, so that it needs no check.
+def _nonnegative(value: SX, *, strictly: bool = False) -> bool:
+    # Whether an expression cannot be negative, or not zero either, by its form, so that it needs no check.
     if is_number(value):
-        return float(value) >= 0
-    operands = [value.dep(k) for k in range(value.n_dep())]
-    if value.op() in (ca.OP_SQ, ca.OP_FABS, ca.OP_EXP, ca.OP_SQRT):
+        return float(value) > 0 or (not strictly and float(value) == 0)
+    operation, operands = value.op(), [value.dep(k) for k in range(value.n_dep())]
+    holds = partial(_nonnegative, strictly=strictly)
+    if operation in (ca.OP_SQ, ca.OP_FABS):
+        return not strictly
+    if operation == ca.OP_EXP:
         return True
-    if value.op() == ca.OP_INV:
-        return _nonnegative(operands[0])
-    if value.op() in (ca.OP_ADD, ca.OP_MUL, ca.OP_DIV):
-        same = value.op() == ca.OP_MUL and operands[0].element_hash() == operands[1].element_hash()
-        return same or all(map(_nonnegative, operands))
-    if value.op() == ca.OP_FMAX:
-        return any(map(_nonnegative, operands))
-    return False
-
-
-def _positive(value: SX) -> bool:
-    if is_number(value):
-        return float(value) > 0
-    operands = [value.dep(k) for k in range(value.n_dep())]
-    if value.op() == ca.OP_EXP:
-        return True
-    if value.op() == ca.OP_SQRT:
-        return _positive(operands[0])
-    if value.op() == ca.OP_ADD:
+    if operation == ca.OP_SQRT:
+        return not strictly or holds(operands[0])
+    if operation == ca.OP_ADD and strictly:
         return all(map(_nonnegative, operands)) and any(map(_positive, operands))
-    if value.op() in (ca.OP_MUL, ca.OP_DIV, ca.OP_INV):
-        return all(map(_positive, operands))
-    if value.op() == ca.OP_FMAX:
-        return any(map(_positive, operands))
-    return False
+    if operation in (ca.OP_ADD, ca.OP_MUL, ca.OP_DIV, ca.OP_INV):
+        is_square = operation == ca.OP_MUL and operands[0].element_hash() == operands[1].element_hash()
+        return (is_square and not strictly) or all(map(holds, operands))
+    return operation == ca.OP_FMAX and any(map(holds, operands))
+
+
+_positive = partial(_nonnegative, strictly=True)
 
 
 Rule = tuple[SX | bool, str, SX]

@@ -35,6 +35,9 @@ RARE = frozenset({
 """Functions that no step calls. An estimator requests directional derivatives along the states of a Model Exchange FMU
 at every sample, but these use f_state_jacobian and f_output_jacobian; only others use f_directional."""
 
+_OF_ONE_INTERFACE = {"f_jacobian": "cs", "f_state_jacobian": "me", "f_output_jacobian": "me"}
+"""Functions that only one interface calls."""
+
 ELIMINATION = "elimination.c"
 """The elimination of a long train, a translation unit of its own, which is compiled at the same time as the others."""
 
@@ -106,15 +109,9 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     slope = [system.derivative, ca.jacobian(system.derivative, system.x), ft]
     definitions: list[tuple[str, list[SX], list[SX]]] = [
         ("f_ode", here, [system.derivative]),
-        *([("f_jacobian", here, [*slope, system.indicators])] if "cs" in interfaces else []),
-        *(
-            [
-                ("f_state_jacobian", here, slope[:2]),
-                ("f_output_jacobian", here, [outputs, system.indicators, by_states]),
-            ]
-            if "me" in interfaces
-            else []
-        ),
+        ("f_jacobian", here, [*slope, system.indicators]),
+        ("f_state_jacobian", here, slope[:2]),
+        ("f_output_jacobian", here, [outputs, system.indicators, by_states]),
         ("f_outputs", here, [outputs, system.indicators]),
         ("f_locals", here, [locals_]),
         ("f_loop", here, _newton(loops)),
@@ -130,15 +127,17 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
             [system.event_discretes, system.event_states, system.event_relations, system.event_conditions],
         ),
         ("f_parameters", [free], [dependent, _substitute_dependent(system.instants, v.dependent, dependent)]),
-        *(
-            [("f_instants", [system.time, system.p, system.d, system.relation], [system.moving_instants])]
-            if system.moving_instants.numel()
-            else []
-        ),
+        ("f_instants", [system.time, system.p, system.d, system.relation], [system.moving_instants]),
         ("f_start", at_start, [system.start, *([column([*discretes.values()])] if discretes else [])]),
         ("f_start_loop", at_start, _newton(start)),
     ]  # fmt: skip
-    return [ca.Function(name, arguments, results, {"cse": True}) for name, arguments, results in definitions]
+    omitted = {name for name, interface in _OF_ONE_INTERFACE.items() if interface not in interfaces}
+    omitted |= set() if system.moving_instants.numel() else {"f_instants"}
+    return [
+        ca.Function(name, arguments, results, {"cse": True})
+        for name, arguments, results in definitions
+        if name not in omitted
+    ]
 
 
 def repeating_discretes(system: System) -> list[int]:
@@ -281,21 +280,13 @@ def _sizes(system: System, groups: Mapping[str, list[Scalar]]) -> dict[str, int]
 
 
 def _value_tables(system: System, groups: Mapping[str, list[Scalar]]) -> list[str]:
-    by_name = {s.name: s for scalars in system.variables.of_id.values() for s in scalars}
+    by_name = {s.name: s for of_variable in system.variables.of_id.values() for s in of_variable}
     guesses, start_guesses = ([by_name.get(k) for k in q.guesses] for q in (system.loops, system.start_loops))
-    declared = {"x": groups["states"], "u": groups["inputs"], "p": groups["parameters"], "d": groups["discretes"]}
-    unknowns = {"g": guesses, "q": start_guesses}
+    scalars = dict[str, Sequence[Scalar | None]](x=groups["states"], u=groups["inputs"], p=groups["parameters"])
+    scalars.update(d=groups["discretes"], g=guesses, q=start_guesses)
     return [
-        *(table("double", f"start_{name}", [s.start for s in group]) for name, group in declared.items()),
-        *(
-            table("double", f"start_{name}", [s.start if s else 0.0 for s in scalars])
-            for name, scalars in unknowns.items()
-        ),
-        table("double", "nominal_x", [nominal(s) for s in groups["states"]]),
-        *(
-            table("double", f"nominal_{name}", [nominal(s) if s else 1.0 for s in scalars])
-            for name, scalars in unknowns.items()
-        ),
+        *(table("double", f"start_{name}", [s.start if s else 0.0 for s in of]) for name, of in scalars.items()),
+        *(table("double", f"nominal_{k}", [nominal(s) if s else 1.0 for s in scalars[k]]) for k in "xgq"),
         table("char", "x_calculated", [int(c) for c in system.calculated]),
         table("double", "clock_phase", [phase for phase, _ in system.clocks]),
         table("double", "clock_period", [period for _, period in system.clocks]),

@@ -109,34 +109,32 @@ def _subscript(subscript: Any) -> int | None:
 
 def _sources(tree: Tree, class_: Class, equations: Sequence[Node]) -> Iterator[Finding]:
     # In each set of connected signals, one may be a source: an output inside, or an input of the class itself.
-    sets: list[set[str]] = []
-    place: dict[str, Node] = {}
+    sets: list[set[_Signal]] = []
+    place: dict[_Signal, Node] = {}
     for equation in equations:
         sides = [equation["lhs"], equation["rhs"]]
         if any(part["subs"] for side in sides for part in side["parts"]):
             continue
-        joined = set[str]()
-        for side in sides:
-            for name in _signal_sources(tree, class_, side):
-                joined.add(name)
-                place[name] = side
-        touching = [s for s in sets if s & joined]
-        sets = [s for s in sets if not s & joined] + [joined.union(*touching)]
-    for connected in sets:
-        by_signal: dict[str, list[str]] = {}
-        for name in sorted(connected):
-            connector, _, rest = name.partition("|")
-            signal, _, is_source = rest.partition("|")
-            if is_source == "source":
-                by_signal.setdefault(signal, []).append(f"{connector}{'.' if signal else ''}{signal}")
-        for sources in by_signal.values():
+        joined = {signal: side for side in sides for signal in _signal_sources(tree, class_, side)}
+        place |= joined
+        touching = [s for s in sets if s & joined.keys()]
+        sets = [s for s in sets if not s & joined.keys()] + [set(joined).union(*touching)]
+    for connected in map(sorted, sets):
+        names = (
+            (signal, f"{connector}.{signal}".rstrip(".")) for connector, signal, is_source in connected if is_source
+        )
+        for sources in gather(names).values():
             if len(sources) > 1:
-                first = next(place[name] for name in sorted(connected))
+                first = place[connected[0]]
                 yield first, f"connect joins two sources of a signal, {sources[0]} and {sources[1]} (9.3)"
 
 
-def _signal_sources(tree: Tree, class_: Class, reference: Node) -> Iterator[str]:
-    # connector|signal|source for each signal of a connector; `none` for the others.
+_Signal = tuple[str, str, bool]
+"""A connector, one of its signals, '' for itself, and whether this is a source."""
+
+
+def _signal_sources(tree: Tree, class_: Class, reference: Node) -> Iterator[_Signal]:
+    # The connector, and each of its signals that is a source.
     path = tree.component_path(class_, reference)
     if not path or any(element.node["condition"] is not None for element in path):
         return
@@ -146,10 +144,10 @@ def _signal_sources(tree: Tree, class_: Class, reference: Node) -> Iterator[str]
     signals = {"": own} if own else {}
     if last.type is not None:
         signals |= {n: e.causality for n, e in tree.elements(last.type).items() if not e.is_class}
-    yield f"{name}||none"
+    yield name, "", False
     for signal, causality in signals.items():
         if causality and causality == ("output" if is_inside else "input"):
-            yield f"{name}|{signal}|source"
+            yield name, signal, True
 
 
 def _declared_causality(tree: Tree, element: Element) -> str:

@@ -21,6 +21,7 @@ from railgrip.base import cache, units
 from railgrip.base.errors import InputError
 from railgrip.base.files import LARGEST_TABLE, read_bytes
 from railgrip.base.programs import find_program
+from railgrip.fmus.native.classes import KINDS
 
 # Resolved, because rumoca treats a library that it finds by two paths as two libraries.
 MODELICA = (Path(__file__).parents[2] / "modelica").resolve()
@@ -341,8 +342,8 @@ def _places() -> str:
 _TOKEN = re.compile(
     r"""//[^\n]*|/\*.*?\*/|"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|\d[\w.]*|[^\W\d]\w*|[;(){}\[\]]""", re.DOTALL
 )
-_CLASS = frozenset(["class", "model", "record", "block", "connector", "type", "package", "function", "operator"])
-_PREFIXES = frozenset(
+CLASS_WORDS = frozenset(KINDS.split("|"))
+CLASS_PREFIXES = frozenset(
     ["redeclare", "final", "inner", "outer", "replaceable", "encapsulated", "partial", "expandable", "pure", "impure"]
 )
 _STATEMENTS = frozenset(["if", "for", "when", "while"])
@@ -425,9 +426,9 @@ def scan(path: Path) -> ScannedFile:
                 stack[-1].words.update(re.findall(r"\w+", text[start:end]))
             while next(tokens, match).end() < end:
                 pass
-        elif depth == 0 and word in _PREFIXES:
+        elif depth == 0 and word in CLASS_PREFIXES:
             prefix = start if prefix < 0 else prefix
-        elif depth == 0 and word in _CLASS:
+        elif depth == 0 and word in CLASS_WORDS:
             kind, name = _name(tokens, word)
             opened = ScannedClass(name[0], is_package=kind == "package", start=start if prefix < 0 else prefix)
             opened.is_complete = _IS_SHORT.match(text, name.end()) is not None
@@ -456,7 +457,7 @@ def scan(path: Path) -> ScannedFile:
 def _name(tokens: Iterator[re.Match[str]], kind: str) -> tuple[str, re.Match[str]]:
     # As in `operator record Complex`, `model extends Train`.
     for match in tokens:
-        if match[0] in _CLASS:
+        if match[0] in CLASS_WORDS:
             kind = match[0]
         elif match[0] != "extends":
             return kind, match

@@ -10,7 +10,7 @@ import re
 import struct
 import xml.etree.ElementTree as ET
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
@@ -19,7 +19,6 @@ from pathlib import Path
 from railgrip.base.files import write_bytes
 from railgrip.fmus.native import code, description
 from railgrip.fmus.native.code import RUNTIME
-from railgrip.fmus.native.description import attributes_text
 from railgrip.fmus.native.system import System
 from railgrip.fmus.native.toolchain import FAST_BUILD, SUFFIX, TARGETS, Platform, binary
 
@@ -185,51 +184,37 @@ def as_fmi_3(source: Source) -> Source:
 
 def _convert_description(root: ET.Element) -> str:
     removed = ("guid", "numberOfEventIndicators")
-    head = {name: text for name, text in root.attrib.items() if name not in removed} | {"fmiVersion": "3.0"}
+    head = {name: text for name, text in root.attrib.items() if name not in removed}
+    # `Source.of` fills in the token.
+    out = ET.Element("fmiModelDescription", {"instantiationToken": ""} | head | {"fmiVersion": "3.0"})
     interface = root.find("CoSimulation")
     assert interface is not None
-    flags = {_FLAGS[name]: text for name, text in interface.attrib.items() if name in _FLAGS}
+    ET.SubElement(
+        out, "CoSimulation", {_FLAGS[name]: text for name, text in interface.attrib.items() if name in _FLAGS}
+    )
+    out.extend(
+        part for name in ("UnitDefinitions", "LogCategories", "DefaultExperiment") for part in root.findall(name)
+    )
     variables = root.findall("ModelVariables/ScalarVariable")
     references = [variable.attrib["valueReference"] for variable in variables]
-    return "\n".join(
-        [
-            '<?xml version="1.0" encoding="UTF-8"?>',
-            # `Source.of` fills in the token.
-            f'<fmiModelDescription instantiationToken=""{attributes_text(head)}>',
-            f"  <CoSimulation{attributes_text(flags)}/>",
-            *(
-                ET.tostring(part, encoding="unicode").rstrip()
-                for name in ("UnitDefinitions", "LogCategories", "DefaultExperiment")
-                for part in root.findall(name)
-            ),
-            "  <ModelVariables>",
-            *(_variable(variable, references) for variable in variables),
-            "  </ModelVariables>",
-            "  <ModelStructure>",
-            *(line for group, name in _UNKNOWNS.items() for line in _unknowns(root, group, name, references)),
-            "  </ModelStructure>",
-            "</fmiModelDescription>",
-            "",
-        ]
-    )
-
-
-def _variable(variable: ET.Element, references: Sequence[str]) -> str:
-    inner = variable[0]
-    attributes = dict(variable.attrib) | dict(inner.attrib)
-    if "derivative" in attributes:
-        attributes["derivative"] = references[int(attributes["derivative"]) - 1]
-    return f"    <{_TYPES[inner.tag]}{attributes_text(attributes)}/>"
-
-
-def _unknowns(root: ET.Element, group: str, name: str, references: Sequence[str]) -> Iterator[str]:
-    for unknown in root.findall(f"ModelStructure/{group}/Unknown"):
-        attributes = {"valueReference": references[int(unknown.attrib["index"]) - 1]}
-        if "dependencies" in unknown.attrib:
-            places = unknown.attrib["dependencies"].split()
-            attributes["dependencies"] = " ".join(references[int(place) - 1] for place in places)
-            attributes["dependenciesKind"] = unknown.attrib["dependenciesKind"]
-        yield f"    <{name}{attributes_text(attributes)}/>"
+    listed = ET.SubElement(out, "ModelVariables")
+    for variable in variables:
+        inner = variable[0]
+        attributes = variable.attrib | inner.attrib
+        if "derivative" in attributes:
+            attributes["derivative"] = references[int(attributes["derivative"]) - 1]
+        ET.SubElement(listed, _TYPES[inner.tag], attributes)
+    structure = ET.SubElement(out, "ModelStructure")
+    for group, name in _UNKNOWNS.items():
+        for unknown in root.findall(f"ModelStructure/{group}/Unknown"):
+            attributes = {"valueReference": references[int(unknown.attrib["index"]) - 1]}
+            if "dependencies" in unknown.attrib:
+                places = unknown.attrib["dependencies"].split()
+                attributes["dependencies"] = " ".join(references[int(place) - 1] for place in places)
+                attributes["dependenciesKind"] = unknown.attrib["dependenciesKind"]
+            ET.SubElement(structure, name, attributes)
+    ET.indent(out)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(out, encoding="unicode")}\n'
 
 
 def _build_description(identifier: str, units: Sequence[str]) -> str:

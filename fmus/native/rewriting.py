@@ -25,6 +25,7 @@ from math import ceil, floor
 from typing import Any
 
 from railgrip.base.errors import RewritingError
+from railgrip.fmus.native.library import CLASS_PREFIXES, CLASS_WORDS
 
 _TOKEN = re.compile(
     r"""//[^\n]*|/\*.*?\*/|\s+|(?P<token>"(?:[^"\\]|\\.)*"|\.?(?:[^\W\d]\w*|'(?:[^'\\]|\\.)*')"""
@@ -33,10 +34,6 @@ _TOKEN = re.compile(
     re.DOTALL,
 )
 _NAME = re.compile(r"\.?[^\W\d][\w.]*")
-_CLASS = frozenset(["class", "model", "record", "block", "connector", "type", "package", "function", "operator"])
-_PREFIXES = frozenset(
-    ["redeclare", "final", "inner", "outer", "replaceable", "encapsulated", "partial", "expandable", "pure", "impure"]
-)
 _ACCESS = frozenset(["public", "protected"])
 _VARIABILITIES = frozenset(["parameter", "constant", "discrete", "input", "output", "flow", "stream"])
 _SECTIONS = frozenset(["equation", "algorithm"])
@@ -170,12 +167,12 @@ def _scopes(tokens: Sequence[_Token]) -> list[_Scope]:
             i += 1
             continue
         previous = tokens[i - 1].text if i else ""
-        if word in _CLASS and previous != "end":
+        if word in CLASS_WORDS and previous != "end":
             close()
             kind = word
-            while tokens[i + 1].text in (*_CLASS, "extends"):
+            while tokens[i + 1].text in (*CLASS_WORDS, "extends"):
                 i += 1
-                kind = tokens[i].text if tokens[i].text in _CLASS else kind
+                kind = tokens[i].text if tokens[i].text in CLASS_WORDS else kind
             i += 1
             is_short, around = tokens[i + 1].text == "=", stack[-1].variables
             stack.append(_Scope(kind, tokens[i].text, is_short=is_short, variables=around.new_child()))
@@ -211,7 +208,7 @@ def _declare(scope: _Scope, tokens: Sequence[_Token]) -> None:
     words = [token.text for token in tokens]
     k = 0
     # The description of the class precedes its first declaration.
-    while k < len(words) and (words[k] in _PREFIXES | _ACCESS | _VARIABILITIES or words[k][0] in '"+'):
+    while k < len(words) and (words[k] in CLASS_PREFIXES | _ACCESS | _VARIABILITIES or words[k][0] in '"+'):
         k += 1
     prefixes, rest = frozenset(words[:k]), tokens[k:]
     if len(rest) < 2 or rest[0].text in ("import", "extends", "annotation", "external", "end"):
