@@ -280,7 +280,7 @@ class FilterContext:
     """Data from which a filter is created; see `railgrip.estimators.design.FilterDesign.of`.
 
     Attributes:
-        prediction: The model, in the form that `FilterKind.prediction` declares.
+        prediction: The model, in the form that `FilterKind.form` declares.
         process_noise, reading_noise: Noises of the prediction's states and outputs.
         period: Period of a step [s].
         gate: States that are frozen while an input is small, or None.
@@ -302,17 +302,15 @@ class FilterKind:
     """A kind of filter, in a module of `railgrip.estimators.filters` that is named like the kind in a scenario.
 
     Attributes:
-        prediction: Form of its model: equations in CasADi, an FMU, or coupled parts of a train.
-        filter: Type of the filter; it has `of_context`.
+        form: Form of the model in it: equations in CasADi, an FMU, or coupled parts of a train.
     """
 
-    prediction: ClassVar[Literal["equations", "fmu", "parts"]] = "equations"
-    filter: ClassVar[Any]
+    form: ClassVar[Literal["equations", "fmu", "parts"]] = "fmu"
 
     @classmethod
-    def start(cls, task: FilterContext) -> Any:
+    def of_context(cls, context: FilterContext) -> Any:
         """Return the filter with its first estimate, a `railgrip.simulate.loop.interfaces.Filter`."""
-        return cls.filter.of_context(task)
+        raise NotImplementedError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -98,10 +98,10 @@ FILTER = '''
 
 
     class Stubborn(FilterKind):
-        squared_innovation = 0.0
+        form, squared_innovation = "equations", 0.0
 
         @classmethod
-        def start(cls, task):
+        def of_context(cls, task):
             self = cls()
             self.mean, self.covariance = np.array(task.mean), np.diag(np.ones(task.mean.size))
             self.inputs = np.zeros(len(task.prediction.inputs))

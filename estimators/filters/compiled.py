@@ -4,7 +4,7 @@ from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.design import FilterKind
 
 
-class Compiled(FilterKind):
+class Compiled(CompiledFilter, FilterKind):
     """An extended Kalman filter in C."""
 
-    filter = CompiledFilter
+    form = "equations"

@@ -1,11 +1,10 @@
 """The cubature Kalman filter in numpy."""
 
 from railgrip.estimators.design import FilterKind
-from railgrip.estimators.filters.unscented import CubatureKalmanFilter
+from railgrip.estimators.filters.unscented import SigmaPointFilter
 
 
-class Cubature(FilterKind):
-    """A sigma-point filter with cubature points, over an FMU."""
+class CubatureKalmanFilter(SigmaPointFilter, FilterKind):
+    """Sigma-point filter with the points of the cubature rule."""
 
-    prediction = "fmu"
-    filter = CubatureKalmanFilter
+    alpha, beta = 1.0, 0.0

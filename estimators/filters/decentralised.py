@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 from itertools import pairwise
+from typing import Self
 
 import casadi as ca
 import numpy as np
@@ -119,7 +120,7 @@ RANK = 9
 _SOURCES = ("dispatch.c", "lanes.h", "plain.c", "wide.c")
 
 
-class DecentralisedFilter(StepInC):
+class DecentralisedFilter(StepInC, FilterKind):
     """An extended Kalman filter whose covariance is D + U C Uᵀ, D block diagonal by parts, U with `RANK` columns.
 
     Parts are coupled only by the acceleration of the train, which is a sum over all of them: through it each part
@@ -153,6 +154,8 @@ class DecentralisedFilter(StepInC):
     shared unknowns; Pnevmatikakis, Rahnama Rad, Huggins, Paninski, Fast Kalman Filtering and Forward–Backward Smoothing
     via a Low-Rank Perturbative Approach, J. Computational and Graphical Statistics 23 (2014), for the truncation.
     """
+
+    form = "parts"
 
     def __init__(
         self,
@@ -199,6 +202,13 @@ class DecentralisedFilter(StepInC):
             tuple((name, tuple(values)) for name, values in tables.items()),
         )
         self.load(dict(sources))
+
+    @classmethod
+    def of_context(cls, context: FilterContext) -> Self:
+        """Return the filter of a scenario with its first estimate; it rejects no outliers."""
+        filter_ = cls(context.prediction, context.process_noise, context.reading_noise, context.period, context.gate)
+        filter_.start(context.mean, context.covariance)
+        return filter_
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> None:
         """Set the estimate before the first step: mean (n,), and variances (n,) or covariance (n, n) of the states.
@@ -279,16 +289,3 @@ def _sources(
     texts = {name: (kernel / name).read_text(encoding="utf-8") for name in _SOURCES}
     step = (kernel / "parts.h").read_text(encoding="utf-8")
     return tuple((texts | {"step.h": step, "shape.h": "\n".join(shape)}).items())
-
-
-class Decentralised(FilterKind):
-    """Coupled filters of the parts of a train, without outlier rejection."""
-
-    prediction = "parts"
-
-    @classmethod
-    def start(cls, task: FilterContext) -> DecentralisedFilter:
-        """Return the filter with its first estimate."""
-        filter_ = DecentralisedFilter(task.prediction, task.process_noise, task.reading_noise, task.period, task.gate)
-        filter_.start(task.mean, task.covariance)
-        return filter_

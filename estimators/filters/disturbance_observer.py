@@ -7,7 +7,7 @@ from railgrip.estimators.design import FilterKind
 from railgrip.estimators.filters.force_balance import TorqueBalanceEstimator
 
 
-class DisturbanceEstimator(TorqueBalanceEstimator):
+class DisturbanceEstimator(TorqueBalanceEstimator, FilterKind):
     """Adhesion as the disturbance of a critically damped observer of the wheelset speed.
 
     Sources: Ohishi, Nakao, Ohnishi, Miyachi, Microprocessor-Controlled DC Motor for Load-Insensitive Position Servo
@@ -37,10 +37,3 @@ class DisturbanceEstimator(TorqueBalanceEstimator):
         memory = np.exp(-self.corner * self._period)
         g, h = 1.0 - memory**2, (1.0 - memory) ** 2
         return 2.0 * h**2 / (g * (4.0 - 2.0 * g - h) * self._period**2)
-
-
-class DisturbanceObserver(FilterKind):
-    """Adhesion as the disturbance of an observer of the wheelset speed, over an FMU."""
-
-    prediction = "fmu"
-    filter = DisturbanceEstimator

@@ -4,8 +4,5 @@ from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.design import FilterKind
 
 
-class Fmu(FilterKind):
+class Fmu(CompiledFilter, FilterKind):
     """An extended Kalman filter in C with an FMU as its model."""
-
-    prediction = "fmu"
-    filter = CompiledFilter

@@ -119,7 +119,7 @@ class TorqueBalanceEstimator(ABC):
         """Return the variance of the estimated acceleration of the wheels over that of their speeds [1/s²]."""
 
 
-class ForceBalanceEstimator(TorqueBalanceEstimator):
+class ForceBalanceEstimator(TorqueBalanceEstimator, FilterKind):
     """Adhesion from the torque balance with the differentiated wheelset speed, through a low-pass of first order."""
 
     def __init__(self, context: FilterContext) -> None:
@@ -145,10 +145,3 @@ class ForceBalanceEstimator(TorqueBalanceEstimator):
         """Return the noise gain of the difference quotient followed by the low-pass."""
         gain = 1.0 - np.exp(-self.corner * self._period)
         return 2.0 * gain**2 / ((2.0 - gain) * self._period**2)
-
-
-class ForceBalance(FilterKind):
-    """Adhesion from the differentiated wheelset speed, over an FMU."""
-
-    prediction = "fmu"
-    filter = ForceBalanceEstimator

@@ -20,7 +20,7 @@ DWELL: Final = 1.0
 """Mean time in a model [s]: adhesion changes within about a second where rail conditions meet."""
 
 
-class InteractingFilters(NumpyFilter):
+class InteractingFilters(NumpyFilter, FilterKind):
     """IMM estimator of a loop: mixes the beliefs of its filters, steps each of them, and combines the results.
 
     A reading that one filter rejects as an outlier is used by none, so that likelihoods compare the same readings.
@@ -131,10 +131,3 @@ def log_likelihood(innovation: Innovation) -> float:
     if innovation.rows.size == 0:
         return 0.0
     return -0.5 * (innovation.nis + float(np.linalg.slogdet(innovation.covariance)[1]))
-
-
-class Interacting(FilterKind):
-    """Extended Kalman filters that differ by the process noise of adhesion, over an FMU."""
-
-    prediction = "fmu"
-    filter = InteractingFilters

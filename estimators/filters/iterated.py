@@ -15,7 +15,7 @@ CONVERGED: Final = 1e-9
 """Change of the mean, in standard deviations of the forecast, below which the iteration ends."""
 
 
-class IteratedKalmanFilter(ExtendedKalmanFilter):
+class IteratedKalmanFilter(ExtendedKalmanFilter, FilterKind):
     """Extended Kalman filter whose update maximises the posterior density of the state by Gauss-Newton steps.
 
     With linear outputs it is the extended Kalman filter. Outliers are judged at every linearisation.
@@ -35,10 +35,3 @@ class IteratedKalmanFilter(ExtendedKalmanFilter):
             point = updated
             innovation = self.linearise(forecast, point, inputs, readings)
         return innovation
-
-
-class Iterated(FilterKind):
-    """An extended Kalman filter that iterates its update, over an FMU."""
-
-    prediction = "fmu"
-    filter = IteratedKalmanFilter

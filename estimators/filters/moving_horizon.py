@@ -45,7 +45,7 @@ class HorizonFilter(ExtendedKalmanFilter):
         )
 
 
-class MovingHorizonEstimator(NumpyFilter):
+class MovingHorizonEstimator(NumpyFilter, FilterKind):
     """Keeps the maximum a posteriori states of a moving window, given its readings and the estimate at its start.
 
     The cost of the start is the estimate of that time, as in a filter. Each solution starts from the extended Kalman
@@ -101,10 +101,3 @@ class MovingHorizonEstimator(NumpyFilter):
             solved = iterate_smoother(self._solver, starts[0], np.array(inputs), np.array(readings), self._iterations)
             self._belief = GaussianEstimate(mean=solved.mean[-1], covariance=solved.covariance[-1])
             self.mean[:], self.covariance[:] = self._belief.mean, self._belief.covariance
-
-
-class MovingHorizon(FilterKind):
-    """A moving horizon estimator, over an FMU."""
-
-    prediction = "fmu"
-    filter = MovingHorizonEstimator

@@ -32,7 +32,7 @@ def systematic_resample(weights: Vector, uniform: float) -> NDArray[np.intp]:
     return np.minimum(np.searchsorted(ends, (np.arange(count) + uniform) / count, side="right"), count - 1)
 
 
-class ParticleFilter(NumpyFilter):
+class ParticleFilter(NumpyFilter, FilterKind):
     """Particles of states that are random walks, each with an extended Kalman filter for all other states.
 
     A particle's filter knows its sampled states, so that they have neither variance nor gain. Its weight is multiplied
@@ -125,10 +125,3 @@ def _moved(mean: Vector, places: NDArray[np.intp], steps: Vector) -> Vector:
     result = mean.copy()
     result[places] += steps
     return result
-
-
-class Particle(FilterKind):
-    """Particles of pad friction with an extended Kalman filter each, over an FMU."""
-
-    prediction = "fmu"
-    filter = ParticleFilter

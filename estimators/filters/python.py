@@ -4,7 +4,7 @@ from railgrip.estimators.design import FilterKind
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 
 
-class Python(FilterKind):
+class Python(ExtendedKalmanFilter, FilterKind):
     """An extended Kalman filter in numpy."""
 
-    filter = ExtendedKalmanFilter
+    form = "equations"

@@ -14,7 +14,7 @@ MEMORY: Final = 200
 √(2/(2·MEMORY)), 7 %."""
 
 
-class SageHusaFilter(ExtendedKalmanFilter):
+class SageHusaFilter(ExtendedKalmanFilter, FilterKind):
     """Extended Kalman filter that adapts the variance of each reading to its residuals after the update.
 
     R ← (1 − d) R + d (ε² + h P⁺ hᵀ) with ε the reading minus the updated output and d = 1/`memory`. The form with
@@ -42,10 +42,3 @@ class SageHusaFilter(ExtendedKalmanFilter):
         noise[rows, rows] += (observed - noise[rows, rows]) / self.memory
         self.design = replace(self.design, reading_noise=noise)
         return belief
-
-
-class SageHusa(FilterKind):
-    """An extended Kalman filter that adapts its reading noise, over an FMU."""
-
-    prediction = "fmu"
-    filter = SageHusaFilter

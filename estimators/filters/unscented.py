@@ -114,20 +114,7 @@ class SigmaPointFilter(GaussianFilter):
         return self.select(readings, expected, jacobian, noise, covariance)
 
 
-class UnscentedKalmanFilter(SigmaPointFilter):
+class UnscentedKalmanFilter(SigmaPointFilter, FilterKind):
     """Sigma-point filter with `ALPHA` and `BETA`."""
 
     alpha, beta = ALPHA, BETA
-
-
-class CubatureKalmanFilter(SigmaPointFilter):
-    """Sigma-point filter with the points of the cubature rule."""
-
-    alpha, beta = 1.0, 0.0
-
-
-class Unscented(FilterKind):
-    """A sigma-point filter with unscented points, over an FMU."""
-
-    prediction = "fmu"
-    filter = UnscentedKalmanFilter

@@ -361,11 +361,11 @@ def run_kind(kind: str, context: FilterContext, data: FilterData) -> FilterRun:
     Raises:
         EstimationError: The kind does not exist, or takes a train in parts.
     """
-    known = [name for name in registry.modules(registry.FILTERS) if _kind(name).prediction != "parts"]
+    known = [name for name in registry.modules(registry.FILTERS) if _kind(name).form != "parts"]
     if kind not in known:
         hint = did_you_mean(kind, known) or f"there are {', '.join(known)}."
         raise EstimationError(f"there is no filter '{kind}' for a recording; {hint}")
-    filter_ = _kind(kind).start(context)
+    filter_ = _kind(kind).of_context(context)
     count, n = len(data.readings), data.mean.size
     mean, variance = np.full((count + 1, n), np.nan), np.full((count + 1, n), np.nan)
     nis, degrees = np.zeros(count), np.zeros(count)

@@ -99,7 +99,7 @@ def state_estimator(stop: Opening, table: KalmanFilter) -> StateEstimator:
             f"{' and of '.join(known)}; its speed is wrong while no radar reads it"
         )
     states = prediction.states
-    filter_ = _kind_of(table).start(
+    filter_ = _kind_of(table).of_context(
         FilterContext(
             prediction=prediction,
             process_noise=noise.process_noise(states),
@@ -148,7 +148,7 @@ def _of_nominal_data(
         each = {f"{name}[{i}]": unit for name, unit in units.items() for i in wheelsets}
         values = in_units("[estimator.parameters]", table.parameters, units | each)
         data = {name: value for name, value in data.items() if ElementName.of(name).array not in values} | values
-    if _kind_of(table).prediction == "parts":
+    if _kind_of(table).form == "parts":
         prediction = consist_of(formation, data)
         readings = prediction.outputs
     elif table.file is not None:
@@ -250,7 +250,7 @@ def _prepare_model(
     describe: Callable[[FmiType], Description],
 ) -> _Central:
     """Return a model with its parameters, as an FMU if the estimator requires one, else in CasADi."""
-    if _kind_of(table).prediction != "fmu":
+    if _kind_of(table).form != "fmu":
         return CasadiPrediction(model, parameters)
     groups = {group: [v.name for v in getattr(model, group)] for group in ("states", "inputs", "outputs")}
     description = describe("me_cs" if table.interface == "co_simulation" else "me")

@@ -180,10 +180,7 @@ def test_below_its_lowest_speed_the_reference_does_not_act_on_the_brake():
         (lambda: replace(TRACKING, slip_start=0.4), "RecursiveSlope: slip_least <= slip_start"),
         (lambda: replace(TRACKING, dither=1.0), "RecursiveSlope: dither < 1 .*; it is a share"),
         (lambda: replace(FUZZY, slip_ratio=1.0), "FuzzySlip: 1 < slip_ratio is required, got slip_ratio = 1.0"),
-        (
-            lambda: replace(SEEKING, dither=1.0),
-            "ExtremumSeeking: dither < 1 is required, got dither = 1.0",
-        ),
+        (lambda: replace(SEEKING, dither=1.0), "ExtremumSeeking: dither < 1 is required, got dither = 1.0"),
     ],
 )
 def test_an_invalid_tuning_is_refused(change, sentence):

@@ -23,6 +23,7 @@ from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import GaussianEstimate, advance, transition
 from railgrip.estimators.design import FilterContext, Gate
 from railgrip.estimators.ekf import ExtendedKalmanFilter, NumpyFilter
+from railgrip.estimators.filters.cubature import CubatureKalmanFilter
 from railgrip.estimators.filters.disturbance_observer import DisturbanceEstimator
 from railgrip.estimators.filters.force_balance import ForceBalanceEstimator
 from railgrip.estimators.filters.interacting import InteractingFilters
@@ -33,7 +34,6 @@ from railgrip.estimators.filters.sage_husa import SageHusaFilter
 from railgrip.estimators.filters.unscented import (
     ALPHA,
     BETA,
-    CubatureKalmanFilter,
     UnscentedKalmanFilter,
     sigma_points,
 )
