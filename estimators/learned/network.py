@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Array
+from railgrip.estimators.learned.preprocessing import StoredArray
 
 Bias = Literal["inside", "outside"]
 
@@ -38,9 +39,9 @@ class Network:
         bias: Place of b2, inside or outside of the logistic function.
     """
 
-    hidden_weights: Array
-    hidden_bias: Array
-    output_weights: Array
+    hidden_weights: StoredArray
+    hidden_bias: StoredArray
+    output_weights: StoredArray
     output_bias: float
     bias: Bias
 
@@ -181,8 +182,8 @@ class Ensemble:
         half_width: Half width of the interval, in units of √(disagreement² + LEAST_SPREAD²).
     """
 
-    centre: Array
-    spread: Array
+    centre: StoredArray
+    spread: StoredArray
     networks: tuple[Network, ...]
     second: tuple[Network, ...]
     half_width: float

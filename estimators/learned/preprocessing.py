@@ -14,12 +14,16 @@ period apart, products of them, and their mean over the last metres travelled, w
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
 import numpy as np
+from pydantic import PlainValidator
 from scipy.signal import butter, cont2discrete, lfilter, sosfilt
 
 from railgrip.estimators.belief import Array
+
+StoredArray = Annotated[Array, PlainValidator(np.array)]
+"""An array that is a list, or a list of lists, in the file of a trained estimator."""
 
 Motion = Literal["longitudinal", "lateral", "yaw", "left", "right"]
 
@@ -171,8 +175,8 @@ class Scale:
         lowest, highest: Shape (channels,).
     """
 
-    lowest: Array
-    highest: Array
+    lowest: StoredArray
+    highest: StoredArray
 
     @classmethod
     def over(cls, data: Array) -> "Scale":

@@ -6,23 +6,23 @@ compiled into an FMU unchanged (`railgrip.fmus.native.discrete`).
 """
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, ClassVar, Final, Literal
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from railgrip.base.errors import EstimatorError, InputError
 from railgrip.base.files import read_text
+from railgrip.base.records import words_of
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.network import (
     MIN_DEVIATION,
-    SLOPE_CENTRE,
-    SLOPE_HALF,
     Ensemble,
     FrictionEstimates,
     Network,
@@ -123,8 +123,8 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
         memory.after[f"sum[{k}]"] = ca.if_else(full, 0, total + size)
         means.append((total + size) / chain.block)
     memory.after["count"] = ca.if_else(full, 0, counted + 1)
-    entries = scale(np.array(means, dtype=object))
-    outputs = [_network(network, list(entries)) for network in networks]
+    entries = scale(_row(means))
+    outputs = [network(entries)[0] for network in networks]
     latest = sum(outputs[1:], outputs[0]) / len(networks)
     friction, known = memory.hold("held", latest, full), memory.hold("blocks", SX(1), full)
     return memory.online(
@@ -226,9 +226,9 @@ def _interval(ensemble: Ensemble, features: list[SX]) -> dict[Variable, SX]:
         ca.fmin(ca.fmax((f - c) / s, -4), 4) / 2
         for f, c, s in zip(features, ensemble.centre, ensemble.spread, strict=True)
     ]
-    first_stage = [_network(network, x) for network in ensemble.networks]
-    each = [_friction(ensemble, state) for state in first_stage]
-    mean, centre = _friction(ensemble, _mean(first_stage)), _mean(each)
+    first = np.array([network(_row(x))[0] for network in ensemble.networks], dtype=object)
+    each = ensemble.friction_of(first)
+    mean, centre = ensemble.friction_of(first.mean(keepdims=True))[0], each.mean()
     half = ensemble.half_width * ca.sqrt(sum((e - centre) ** 2 for e in each) / len(each) + MIN_DEVIATION**2)
     return {_FRICTION: mean, _LOWER: ca.fmax(mean - half, 0), _UPPER: ca.fmin(mean + half, 1)}
 
@@ -257,28 +257,15 @@ def _band(
     return low, high
 
 
-def _friction(ensemble: Ensemble, first: SX) -> SX:
-    if not ensemble.second:
-        return first
-    inner = (first - SLOPE_CENTRE) / SLOPE_HALF
-    return _mean([_network(network, [inner]) for network in ensemble.second])
-
-
-def _mean(values: Sequence[SX]) -> SX:
-    return ca.sum1(ca.vertcat(*values)) / len(values)
-
-
-def _network(network: Network, x: Iterable[SX]) -> SX:
-    inputs = ca.vertcat(*x)
-    hidden = ca.tanh(ca.mtimes(network.hidden_weights, inputs) + network.hidden_bias)
-    inner = ca.dot(SX(network.output_weights), hidden)
-    if network.bias == "inside":
-        return 1 / (1 + ca.exp(-(inner + network.output_bias)))
-    return 1 / (1 + ca.exp(-inner)) + network.output_bias
+def _row(values: Sequence[SX]) -> Any:
+    """Return symbols as an array for the arithmetic of NumPy, shape (1, n)."""
+    return np.array([values], dtype=object)
 
 
 FORMAT: Final = 1
 """Version of the file format, raised whenever an older reader would misread a newer file."""
+_EXACT: Final = ConfigDict(extra="forbid")
+"""A file has no other parts than its estimator, at any level."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -300,10 +287,13 @@ class PaperEstimator:
         inputs: Key of `preprocessing.COMBINATIONS`.
     """
 
+    KIND: ClassVar[str] = "paper"
+    __pydantic_config__ = _EXACT
+
     chain: Chain
     scale: Scale
     networks: tuple[Network, ...]
-    inputs: str
+    inputs: Literal[tuple(COMBINATIONS)]  # pyright: ignore[reportInvalidTypeForm]
 
     @property
     def rate(self) -> int:
@@ -335,6 +325,9 @@ class PaperEstimator:
 class GeneralEstimator:
     """One estimator for all speeds: spectral features of lateral and yaw acceleration, an ensemble, an interval."""
 
+    KIND: ClassVar[str] = "general"
+    __pydantic_config__ = _EXACT
+
     slow: AntiAlias
     spectral: Spectral
     ensemble: Ensemble
@@ -362,7 +355,7 @@ Trained = PaperEstimator | GeneralEstimator
 def save(trained: Trained, file: Path) -> Path:
     """Write a trained estimator, without rounding of numbers; return the file."""
     file.write_text(
-        json.dumps({"format": FORMAT, "kind": _KIND[type(trained)], **asdict(trained)}, default=_plain),
+        json.dumps({"format": FORMAT, "kind": trained.KIND, **asdict(trained)}, default=np.ndarray.tolist),
         encoding="utf-8",
     )
     return file
@@ -383,52 +376,13 @@ def load(file: Path) -> Trained:
         ) from problem
     except (json.JSONDecodeError, RecursionError) as problem:
         raise EstimatorError(f"{file}: is not JSON: {problem}.") from problem
-    if not isinstance(content, dict) or content.get("kind") not in _READ or content.get("format") != FORMAT:
+    kinds = {kind.KIND: kind for kind in (PaperEstimator, GeneralEstimator)}
+    if not isinstance(content, dict) or content.get("kind") not in kinds or content.get("format") != FORMAT:
         raise EstimatorError(
-            f"{file}: is not a trained estimator of format {FORMAT}; it needs kind {' or '.join(_READ)}."
+            f"{file}: is not a trained estimator of format {FORMAT}; it needs kind {' or '.join(kinds)}."
         )
+    parts = {name: part for name, part in content.items() if name not in ("format", "kind")}
     try:
-        return _READ[content["kind"]](content)
-    except (KeyError, TypeError, ValueError) as problem:
-        raise EstimatorError(f"{file}: is a damaged trained estimator: {problem!r}.") from problem
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    raise TypeError(f"a trained estimator cannot contain {type(value).__name__}")
-
-
-def _paper(content: Mapping[str, Any]) -> PaperEstimator:
-    if content["inputs"] not in COMBINATIONS:
-        raise ValueError(f"inputs '{content['inputs']}' are unknown")
-    return PaperEstimator(
-        chain=Chain(**content["chain"]),
-        scale=Scale(**{name: np.array(values) for name, values in content["scale"].items()}),
-        networks=tuple(map(_stored_network, content["networks"])),
-        inputs=content["inputs"],
-    )
-
-
-def _general(content: Mapping[str, Any]) -> GeneralEstimator:
-    ensemble = dict(content["ensemble"])
-    return GeneralEstimator(
-        slow=AntiAlias(**content["slow"]),
-        spectral=replace(Spectral(**content["spectral"]), centres=tuple(content["spectral"]["centres"])),
-        ensemble=Ensemble(
-            centre=np.array(ensemble["centre"]),
-            spread=np.array(ensemble["spread"]),
-            networks=tuple(map(_stored_network, ensemble["networks"])),
-            second=tuple(map(_stored_network, ensemble["second"])),
-            half_width=ensemble["half_width"],
-        ),
-    )
-
-
-def _stored_network(content: Mapping[str, Any]) -> Network:
-    weights = {name: np.array(content[name]) for name in ("hidden_weights", "hidden_bias", "output_weights")}
-    return Network(**weights, output_bias=content["output_bias"], bias=content["bias"])
-
-
-_KIND: Final[Mapping[type, str]] = {PaperEstimator: "paper", GeneralEstimator: "general"}
-_READ: Final[Mapping[str, Callable[[Mapping[str, Any]], Trained]]] = {"paper": _paper, "general": _general}
+        return TypeAdapter(kinds[content["kind"]]).validate_python(parts)
+    except ValidationError as problem:
+        raise EstimatorError(f"{file}: is a damaged trained estimator: {words_of(problem)}.") from problem
