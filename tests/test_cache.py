@@ -2,11 +2,8 @@
 
 import ctypes
 import os
-import subprocess
-import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -128,29 +125,3 @@ def test_the_least_recently_used_files_are_removed_beyond_the_limit(own_cache, m
     cache.prune(own_cache)
     assert [file.exists() for file in (*paths, young)] == [True, False, False, False, True]
     assert not paths[1].parents[1].exists()
-
-
-def test_code_in_the_current_folder_is_not_loaded(tmp_path, own_cache):
-    """Caches used to be there: a user who worked in an unpacked foreign folder would have run its code."""
-    mark = tmp_path / "ran"
-    evil = {
-        "evil.c": "#include <stdio.h>\n"
-        f'__attribute__((constructor)) static void run(void) {{ fclose(fopen("{mark}", "w")); }}'
-    }
-    content = shared_library(evil, "evil").read_bytes()
-    for name in ("cycle", "set_step_get", "run", "contact"):
-        for place in ("build/native", "build/estimators", "build/loop"):
-            (tmp_path / place).mkdir(parents=True, exist_ok=True)
-            (tmp_path / place / f"{name}.so").write_bytes(content)
-    code = (
-        "from railgrip.kernel import kernel; from railgrip.fmus.native.toolchain import kernel_library;"
-        "from railgrip.vehicle.formation import Formation; from railgrip.vehicle.signals import layout_of;"
-        "kernel(layout_of(Formation((1,)))); kernel_library('railgrip.fmi', 'set_step_get')"
-    )
-    root = str(Path(cache.__file__).parents[1])
-    result = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, env=os.environ | {"PYTHONPATH": root}, capture_output=True,
-        text=True, check=False,
-    )  # fmt: skip
-    assert result.returncode == 0, result.stderr
-    assert not mark.exists()

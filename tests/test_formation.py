@@ -37,13 +37,6 @@ def test_every_value_has_a_separate_index_in_a_layout(counts):
         assert [place.stop - place.start for place in columns.values()] == [widths[s.extent] for s in signals]
 
 
-def test_omitted_data_are_empty():
-    formation = Formation((2, 1))
-    assert formation.position is formation.load is None
-    assert formation.cars == 1
-    assert formation.pressure_max.shape == (0,)
-
-
 @pytest.mark.parametrize(
     ("make", "words"),
     [

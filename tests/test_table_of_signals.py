@@ -11,8 +11,6 @@ from synthetic import BRAKES, TWO_PART_TRAIN
 
 from railgrip.base.errors import LoopError
 from railgrip.controllers.law import Law, law
-from railgrip.controllers.observation import Observation
-from railgrip.simulate.controller import controller_signals
 from railgrip.simulate.loop.loop import _formula
 from railgrip.vehicle import signals
 from railgrip.vehicle.signals import OBSERVATION, TABLE, Signal, layout_of, names_of
@@ -24,12 +22,6 @@ LAYOUT = layout_of(TWO_PART_TRAIN, observation=EXTENDED)
 def half(observed):
     """Return a law of 4 groups that demands half of its last input."""
     return law("Half", "", 4, lambda draft: lambda _, group: 0.5 * getattr(group, observed[-1].name), observed)
-
-
-def test_a_new_row_has_a_place_in_the_header_of_c():
-    lines = LAYOUT.header().splitlines()
-    assert "#define OBSERVATION_LINING_WEAR 26" in lines
-    assert "#define OBSERVATIONS 30" in lines
 
 
 def test_a_law_receives_a_new_row_by_its_name():
@@ -76,21 +68,12 @@ def test_a_law_written_for_another_table_is_refused():
         _formula(layout_of(TWO_PART_TRAIN), Law(half(EXTENDED), BRAKES, {}), "observation")
 
 
-def test_an_observation_has_the_rows_of_the_table():
-    assert sorted(Observation._fields) == sorted(["time", "slip_is_estimated", *(row.name for row in OBSERVATION)])
-
-
-def test_a_controller_fmu_has_the_rows_as_inputs():
-    inputs, _ = controller_signals(4)
-    assert [(signal.name, signal.unit) for signal in inputs] == [(row.name, row.unit) for row in OBSERVATION]
-
-
 @pytest.mark.parametrize("role", TABLE)
 def test_names_of_a_vector_are_unique_and_in_the_header(role):
-    layout = layout_of(TWO_PART_TRAIN)
-    assert len(set(layout.elements(role))) == len(layout.elements(role))
-    constants = dict(line.split()[1:] for line in layout.header().splitlines())
-    for row in TABLE[role]:
+    """Those of a new row, too."""
+    assert len(set(LAYOUT.elements(role))) == len(LAYOUT.elements(role))
+    constants = dict(line.split()[1:] for line in LAYOUT.header().splitlines())
+    for row in EXTENDED if role == "observation" else TABLE[role]:
         name = f"{role}_{row.name.removeprefix(f'{role}_')}".upper()
-        place = layout.elements(role).index(names_of(row, TWO_PART_TRAIN)[0])
+        place = LAYOUT.elements(role).index(names_of(row, TWO_PART_TRAIN)[0])
         assert int(constants[name]) == place, name

@@ -6,10 +6,8 @@ import subprocess
 import sys
 import tempfile
 import time
-import zipfile
 from pathlib import Path
 
-import fmpy
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -79,30 +77,6 @@ def test_a_folder_without_the_mark_is_kept_whatever_its_name(temporary, names):
             pass
         for folder in (*own, target):
             assert (folder / "binaries" / "kept.txt").read_text() == "mine"
-
-
-def test_fmpy_unpacks_below_the_folder_of_the_tests(tmp_path):
-    """The next test runs this test, too, and checks the remaining files."""
-    file = tmp_path / "empty.fmu"
-    with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("modelDescription.xml", "<fmiModelDescription/>")
-    folder = Path(fmpy.extract(str(file)))
-    assert folder.parent == Path(tempfile.gettempdir())
-    assert folder.parent.name.startswith("rg-")
-
-
-def test_folders_unpacked_by_fmpy_in_tests_are_removed_at_their_end(tmp_path):
-    test = f"{__file__}::{test_fmpy_unpacks_below_the_folder_of_the_tests.__name__}"
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", test],
-        cwd=Path(__file__).parents[1],
-        env={**os.environ, "TMPDIR": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout
-    assert [path.name for path in tmp_path.iterdir() if not path.name.startswith("pytest-of-")] == []
 
 
 KILLED = """
