@@ -56,7 +56,3 @@ def test_axes_of_a_script_have_units(script: Path, figures: Callable[[Path], lis
         labels = {label for axes in figure.axes for label in (axes.get_xlabel(), axes.get_ylabel())} - {"", "wheelset"}
         assert labels
         assert all("[" in label for label in labels), labels
-
-
-def test_long_scripts_exist():
-    assert {script.stem for script in SCRIPTS} > LONG

@@ -10,9 +10,3 @@ def test_the_picture_of_the_packages_is_up_to_date():
     """If this fails, run `.venv/bin/python docs/packages.py` to draw the picture again."""
     script = runpy.run_path(str(ROOT / "docs/packages.py"))
     assert script["PICTURE"].read_text(encoding="utf-8") == script["svg"]()
-
-
-def test_every_package_has_a_box_with_its_purpose():
-    script = runpy.run_path(str(ROOT / "docs/packages.py"))
-    names = [name for layer in script["layers"]() for name in layer]
-    assert sorted(names) == sorted(script["PURPOSE"])

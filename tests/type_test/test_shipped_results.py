@@ -110,26 +110,6 @@ def test_one_controller_is_listed_among_those_of_the_package(page):
     assert [summary.controller for summary, _ in page.values["worst"]] == [OWN]
 
 
-def test_its_line_is_drawn_among_theirs(page):
-    axes = page.figures["figures/ratios.png"].axes[0]
-    lines = {line.get_label(): line for line in axes.lines if not line.get_label().startswith("_")}
-    assert lines.keys() == entrants().keys() - {"dry"} | {OWN}
-    widths = {name: line.get_linewidth() for name, line in lines.items()}
-    assert max(widths, key=widths.get) == OWN
-    of_curves = page.figures["figures/utilisation.png"].axes[0]
-    assert [tick.get_text() for tick in of_curves.get_yticklabels()] == list(lines)
-    curves = sorted({case.variants()["curve"] for case in cases(SMALL)})
-    assert [tick.get_text().replace("\n", "_") for tick in of_curves.get_xticklabels()] == curves
-    assert len(of_curves.texts) == len(lines) * len(curves)
-
-
-def test_clauses_have_limits_with_units_and_unsatisfiable_ones_are_explained(page):
-    headings = page.values["clauses"].columns
-    assert {"extension ≤ 25 %", "lock ≤ 0.4 s", "reservoir ≥ 5 bar", "utilisation ≥ 85 %"} <= set(headings)
-    (sentence,) = page.values["failed_by_bound"]
-    assert "is kept by ideal_bound in 33.3 % of the cases in which it is judged" in sentence
-
-
 def test_the_documentation_has_the_leaderboard_of_the_stops_in_the_package(stops):
     again = dict.fromkeys(entrants(), "")
     table = page_of(stops, entrants(), limits_of(), again=again).screen[0]

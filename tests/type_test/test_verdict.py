@@ -46,22 +46,13 @@ def test_families_that_are_too_small_are_named_and_no_law_is_called_best():
     """A creep curve with few cases is not compared; that the law is longer there is said."""
     few = VERSIONS[2].design(24, VERSIONS[2].test)
     curve = few[0].variants()["curve"]
-    own = [case.name for case in few if case.variants()["curve"] == curve]
-    assert len(own) == 2
+    first, second = (case.name for case in few if case.variants()["curve"] == curve)
     for metres, words in (
         (118.0, f"there on *curve: {curve}* (1.090 of slip_three_state in 2 cases)"),
         (90.0, "in none"),
     ):
-        sentence = verdict(
-            judged(
-                {
-                    "two_maxima": lambda case, m=metres: (
-                        100.0 if case.name == own[0] else m if case.name == own[1] else 90.0
-                    )
-                },
-                few,
-            )
-        )
+        own = {first: 100.0, second: metres}
+        sentence = verdict(judged({"two_maxima": lambda case, own=own: own.get(case.name, 90.0)}, few))
         assert sentence.startswith("two_maxima has the smallest median over the ")
         assert "best law" not in sentence
         assert "families have fewer than 5 cases, too few to compare laws" in sentence

@@ -24,8 +24,7 @@ from railgrip.studies.type_test.entrants import (
     training,
     training_cases,
 )
-from railgrip.studies.type_test.family import AXES, FEWEST, families, losses
-from railgrip.studies.type_test.page import page_of
+from railgrip.studies.type_test.family import FEWEST, families, losses
 from railgrip.studies.type_test.stop_frames import digest_of, frame_of_rows, judgements, read_shipped, summaries
 from railgrip.studies.type_test.track_case import (
     CLEANING,
@@ -240,17 +239,6 @@ def test_a_law_loses_in_the_family_with_its_largest_median(stops):
     always = {f"{row.axis}: {row.value}" for row in rows if row.controller == "fuzzy_slip" and row.lost == 1.0}
     assert {"cleaning: strong", "cleaning: weak"} <= always
     assert where["fuzzy_slip"] in always
-
-
-def test_the_page_contains_families_the_bound_and_the_looks(stops):
-    again = dict.fromkeys(entrants(2), "railgrip study type_test --case")
-    page = page_of(stops, entrants(2), limits_of(), again=again, version=2)
-    assert list(page.values["families"]) == list(AXES)
-    assert "families.csv" in page.tables
-    assert page.values["losses"].rows
-    of_law = page.values["of_controller"]["fuzzy_slip"].rows
-    assert of_law[0]["family"] == "all cases"
-    assert {"cleaning: strong", "train: vt642"} <= {row["family"] for row in of_law}
 
 
 def test_training_cases_have_their_trains():
