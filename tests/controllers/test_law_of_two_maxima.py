@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from wheelset import GROUP, SPEED, observed, state_of
+from wheelset import GROUP, SPEED, observed, set_state, state_of
 
 from railgrip.controllers.laws.slope_seeking import SlopeSeeking
 from railgrip.controllers.laws.two_maxima import TwoMaxima
@@ -107,7 +107,7 @@ def ride(rail, *, seconds=10.0, tuning=TUNING, positions=POSITIONS, begin_deep=N
     for k in range(round(seconds / PERIOD)):
         time = k * PERIOD
         if begin_deep is not None and k == round(begin_deep / PERIOD):
-            law.state[[quantity.name for quantity in law.formula.states].index("deep")] = 1.0
+            set_state(law, "deep", 1.0)
         adhesion = rail.adhesion(time, SPEED * time - np.array(positions), slips)
         seen = [1.0 if lost and (g, True) == (lost[0], time > lost[1]) else slip for g, slip in enumerate(slips)]
         pressures = (0.0 if k < 2 else 1.5e5,) * len(slips)
@@ -231,8 +231,8 @@ def test_deep_slip_ends_where_the_train_loses_adhesion_by_it():
 def in_deep_slip():
     """Return the law in deep slip after it has compared groups on an even rail."""
     law = drive(even, 0.2)
-    for name, value in (("deep", 1.0), ("level_on_slope", -9.0)):
-        law.state[[quantity.name for quantity in law.formula.states].index(name)] = value
+    set_state(law, "deep", 1.0)
+    set_state(law, "level_on_slope", -9.0)
     return law
 
 
@@ -287,7 +287,7 @@ def test_the_demand_is_bounded(observations, deep):
     """From zero to the pressure of the torque that adhesion_max and the inertia of the wheelset allow."""
     law = TwoMaxima([GROUP] * 4, TUNING)
     law.place(POSITIONS)
-    law.state[[quantity.name for quantity in law.formula.states].index("deep")] = deep
+    set_state(law, "deep", deep)
     torque = 0.2 * GROUP.load * GROUP.wheel_radius + GROUP.inertia * 1.5 * 1.3 / GROUP.wheel_radius
     highest = (torque / (2 * 0.35 * 0.22) / 5.7 + GROUP.spring_force) / GROUP.piston_area
     for k, (speed, slip, adhesion, pressure) in enumerate(observations):

@@ -5,12 +5,11 @@ from typing import Annotated
 
 import numpy as np
 import pytest
-from wheelset import GROUP, SPEED, observed, simulate, state_of
+from wheelset import GROUP, SPEED, Altered, observed, simulate, state_of
 
 from railgrip.controllers.law import GroupLaw, Tuning
 from railgrip.controllers.laws.adhesion_based import AdhesionBased
 from railgrip.controllers.laws.adhesion_literal import LiteralAdhesionBased
-from railgrip.controllers.laws.full_brake import FullBrake
 from railgrip.controllers.laws.slip_three_state import SlipThreeState
 from railgrip.controllers.laws.slip_two_state import SlipLevels, SlipTwoState
 from railgrip.controllers.laws.slope_seeking import SlopeSeeking
@@ -68,15 +67,8 @@ def test_adhesion_stays_below_its_limit(peak_slip):
 @pytest.mark.parametrize("error", [0.9, 1.1])
 def test_peak_seeking_tolerates_a_wrong_pad_friction(error):
     """Pad friction scatters by ±10 %, so the torque that the law assumes is wrong by up to that."""
-
-    class Mistaken:
-        def __init__(self):
-            self.law = peak_seeking()
-
-        def decide(self, observation):
-            return self.law.decide(observation._replace(pad_friction=(0.35 * error,)))
-
-    _, adhesion = simulate(Mistaken(), 4.0)
+    mistaken = Altered(peak_seeking(), lambda seen: seen._replace(pad_friction=(0.35 * error,)))
+    _, adhesion = simulate(mistaken, 4.0)
     assert adhesion[1500:].mean() > 0.93 * 0.06
 
 
@@ -148,10 +140,6 @@ def test_the_brake_is_applied_before_the_speed_is_known(kind):
     law = kind([GROUP], kind.load_tuning("ideal", "read", "paper"))
     unknown = float("nan")
     assert law.decide(observed(0, unknown, 0, (unknown,), None, None, (0.0,))) == (3.4e5,)
-
-
-def test_full_brake_ignores_the_slip():
-    assert FullBrake([GROUP]).decide(observed(0, SPEED, 0, (0.9,), None, None, (0.0,))) == (3.4e5,)
 
 
 @pytest.mark.parametrize("law", [AdhesionBased([GROUP], PEAK_SEEKING), LiteralAdhesionBased([GROUP], PRINTED)])
@@ -263,17 +251,9 @@ def test_an_impossible_pad_friction_is_limited(estimate, possible):
 @pytest.mark.parametrize("error", [-0.03, 0.03])
 def test_a_worn_wheel_is_not_mistaken_for_a_slide(error):
     """A radius with an error of 3 % appears as 3 % of slip at once; the law measures it before the brake is applied."""
-
-    class Worn:
-        def __init__(self, law):
-            self.law = law
-
-        def decide(self, observation):
-            slip = 1 - (1 - observation.slip) / (1 + error)
-            return self.law.decide(observation._replace(slip=slip))
-
     law = climber()
-    used = simulate(Worn(law), 8.0, peak_slip=0.01)[1][5000:].mean() / 0.06
+    worn = Altered(law, lambda seen: seen._replace(slip=1 - (1 - seen.slip) / (1 + error)))
+    used = simulate(worn, 8.0, peak_slip=0.01)[1][5000:].mean() / 0.06
     assert state_of(law, "offset[1]") == pytest.approx(1 - 1 / (1 + error), abs=1e-9)
     assert used > 0.85
 

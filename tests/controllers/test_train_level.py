@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from railgrip.controllers.law import Law
-from railgrip.controllers.laws.full_brake import FullBrake
 from railgrip.controllers.laws.recursive_slope import RecursiveSlope
 from railgrip.controllers.laws.slip_two_state import SlipLevels, SlipTwoState
 from railgrip.controllers.observation import Observation
@@ -92,12 +91,6 @@ def test_with_full_brake_or_without_slip_nothing_is_redistributed():
         demands = settled(with_redistribution(slip_based(), GROUPS, period=1e-3, adhesion_max=0.3), now)
         lower = np.minimum(slip_based().decide(now), now.driver_demand)
         assert demands == pytest.approx(lower)
-
-
-def test_redistribution_works_on_top_of_a_law_without_states():
-    now = observed((0.2, 0.01, 0.01), 0.5)
-    law = with_redistribution(FullBrake(GROUPS), GROUPS, period=1e-3, adhesion_max=0.3)
-    assert settled(law, now) == pytest.approx(now.driver_demand)
 
 
 def test_a_release_ends_after_its_longest_time_and_no_law_prevents_it():

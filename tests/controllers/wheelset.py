@@ -46,6 +46,20 @@ def simulate(
     return np.squeeze(slips), np.squeeze(adhesions)
 
 
+class Altered:
+    """A law that gets its observations as another function returns them."""
+
+    def __init__(self, law, alter):
+        self.law, self.alter = law, alter
+
+    def decide(self, observation):
+        return self.law.decide(self.alter(observation))
+
+
+def set_state(law, name, value):
+    law.state[[quantity.name for quantity in law.formula.states].index(name)] = value
+
+
 def state_of(law, name):
     """Return a state of a law by its name."""
     return law.state[[quantity.name for quantity in law.formula.states].index(name)]

@@ -12,7 +12,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.kernel import kernel
 from railgrip.scenario.demand import Driver, phases_of
 from railgrip.scenario.file import merge
-from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.load import scenario_of
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import layout_of
 
@@ -85,40 +85,11 @@ def test_a_long_profile_needs_few_calls_per_row(tmp_path):
     assert long - short < 10 * 2000  # reading a row of two cells takes five; a quadratic algorithm would take thousands
 
 
-@pytest.mark.parametrize("name", ["service_steps", "stop_at_target"])
-def test_a_resolved_demand_loads_to_the_same(name):
-    scenario = load(LIBRARY / f"{name}.toml")
-    again = scenario_of(scenario.resolved(), directory=LIBRARY, origin=name)
-    assert again == scenario
-    assert again.digest() == scenario.digest()
-
-
-def test_the_content_of_a_profile_is_part_of_the_digest(tmp_path):
-    def digest(last):
-        (tmp_path / "brake.csv").write_text(f"time,pressure\n0,0\n1,{last}\n")
-        return scenario_with({"file": "brake.csv"}, tmp_path).digest()
-
-    assert digest(1e5) == digest(1e5) != digest(2e5)
-
-
-@pytest.mark.parametrize(
-    ("header", "pascals"), [("pressure [kPa]", 1e3), ("pressure [bar]", 1e5), ("pressure (psi)", 6894.757293168361)]
-)
-def test_a_profile_states_its_unit(header, pascals, tmp_path):
-    """1 psi is 1 lbf/in², 6894.757 Pa (NIST SP 811, B.8)."""
-    (tmp_path / "brake.csv").write_text(f"time [min],{header}\n0,0\n0.5,{2e5 / pascals!r}\n")
-    columns = scenario_with({"file": "brake.csv"}, tmp_path).demand.profile()
-    assert columns.points.tolist() == [0.0, 30.0]
-    assert columns.values.ravel() == pytest.approx([0.0, 2e5])
-
-
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("time,pressure\n0,0\n0,1\n", "line 3: time does not rise"),
         ("time,pressure\n0,0\n1,-1\n", r"line 3: pressure must be at least 0 and at most 1e\+08 Pa; a column in anoth"),
         ("distance,pressure\n0,0\n1,1\n", r"first line must name time \[s\], and pressure"),
-        ("time,pressure\n0,0\n", "has 1 rows of numbers"),
     ],
 )
 def test_a_bad_profile_is_refused_in_a_sentence(content, words, tmp_path):

@@ -1,18 +1,15 @@
 """The friction under each wheelset is as the scenario describes, at every time and place."""
 
 import re
-import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
-from synthetic import TWO_PART_TRAIN
+from synthetic import LIBRARY, TWO_PART_TRAIN
 from wrong import table
 
-import railgrip.scenario
 from railgrip.base.arrays import generator, markov
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import profile_of
@@ -20,7 +17,6 @@ from railgrip.scenario.load import load, scenario_of
 from railgrip.simulate.remarks import doubts
 from railgrip.vehicle.formation import Formation
 
-LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 PLAIN = ["adhesion.conditioning.fraction=0"]
 
 
@@ -106,16 +102,11 @@ def test_every_wheelset_passes_the_same_place_of_the_rail_later():
     found = profile("random", *ON_THE_RAIL)
     offsets = [0, 1.9, 15.625, 18.275, 32, 33.9]
     spot = 60.0
+    assert np.all(friction_at(found, 0.0, 0.0) > 0)  # the rail extends behind the start
     frictions = [friction_at(found, 0.0, spot + offset)[wheelset] for wheelset, offset in enumerate(offsets)]
     # Offsets are whole numbers of the 5 mm grid, so that no interpolation is involved.
     assert frictions == pytest.approx([frictions[0]] * 6, abs=1e-12)
     assert len(set(np.round(friction_at(found, 0.0, spot), 6))) == 6
-
-
-def test_the_rail_extends_behind_the_start():
-    found = profile("random", *ON_THE_RAIL)
-    assert np.all(friction_at(found, 0.0, 0.0) > 0)
-    assert friction_at(found, 0.0, 33.9)[5] == pytest.approx(friction_at(found, 0.0, 0.0)[0])
 
 
 @pytest.mark.parametrize("by", ["group", "wheelset"])
@@ -151,15 +142,15 @@ def test_the_table_of_the_loop_is_read_only():
         profile("trapezoid").mu0_at[0, 0] = 1
 
 
-def tabled(tmp_path, content, *overrides):
+def on_rail(tmp_path, **adhesion):
+    """Return the scenario `trapezoid` with another table [adhesion]."""
+    tables = load(LIBRARY / "trapezoid.toml").resolved() | {"adhesion": {"polach": "soap"} | adhesion}
+    return scenario_of(tables, directory=tmp_path, origin="mine.toml")
+
+
+def tabled(tmp_path, content, **more):
     (tmp_path / "rail.csv").write_text(content, encoding="utf-8")
-    text = (LIBRARY / "trapezoid.toml").read_text(encoding="utf-8")
-    path = tmp_path / "mine.toml"
-    before, after = text[: text.index("[adhesion]")], text[text.index("[sensors]") :]
-    path.write_text(
-        before + '[adhesion]\nkind = "table"\npolach = "wet"\nfile = "rail.csv"\n' + after, encoding="utf-8"
-    )
-    return load(path, overrides)
+    return on_rail(tmp_path, kind="table", file="rail.csv", **more)
 
 
 def test_a_users_curve_may_be_over_distance_and_differ_for_each_wheelset(tmp_path):
@@ -226,16 +217,10 @@ def test_friction_for_another_number_of_wheelsets_is_refused(tmp_path):
         profile_of(far, Formation((2, 1, 1, 2)))
 
 
-def pointed(tmp_path, *lines):
-    written = load(LIBRARY / "trapezoid.toml").resolved()
-    written["adhesion"] = tomllib.loads('polach = "soap"\n' + "\n".join(lines))
-    return scenario_of(written, directory=tmp_path, origin="own.toml")
-
-
 @pytest.mark.parametrize("written", ["points", "table"])
 def test_points_of_a_scenario_or_a_table_are_interpolated_linearly(tmp_path, written):
     if written == "points":
-        profile = pointed(tmp_path, 'kind = "points"', 'over = "time"', "points = [['1 s', 0.2], ['3 s', 0.1]]")
+        profile = on_rail(tmp_path, kind="points", over="time", points=[["1 s", 0.2], ["3 s", 0.1]])
     else:
         profile = tabled(tmp_path, "time,mu0\n1,0.20\n3,0.10\n")
     friction = profile_of(profile, TWO_PART_TRAIN).table(np.array([0.0, 1.0, 2.0, 3.0, 9.0]), np.zeros(5))
@@ -243,8 +228,10 @@ def test_points_of_a_scenario_or_a_table_are_interpolated_linearly(tmp_path, wri
 
 
 def test_points_scatter_as_stated_up_to_three_deviations(tmp_path):
-    lines = ('kind = "points"', 'over = "time"', "points = [['0 s', 0.1]]", "scatter = 0.05", 'correlation = "0.05 s"')
-    mu0 = profile_of(pointed(tmp_path, *lines), TWO_PART_TRAIN).mu0_at[:, 0]
+    made = on_rail(
+        tmp_path, kind="points", over="time", points=[["0 s", 0.1]], scatter=0.05, correlation="0.05 s",
+    )  # fmt: skip
+    mu0 = profile_of(made, TWO_PART_TRAIN).mu0_at[:, 0]
     # 90 s with a correlation time of 0.05 s: 900 independent draws determine a deviation to 2.5 %, their mean to 1/30
     # of it.
     assert mu0.mean() == pytest.approx(0.1, abs=4 * 0.005 * np.sqrt(2 / 1800))
@@ -256,12 +243,11 @@ def test_points_scatter_as_stated_up_to_three_deviations(tmp_path):
 
 
 def test_each_wheelset_reaches_a_patch_of_the_rail_later(tmp_path):
-    made = pointed(
-        tmp_path, 'kind = "constant"', "mu0 = 0.28",
-        "patch = [{ begin = '100 m', length = '10 m', mu0 = [0.1, 0.1, 0.2, 0.2, 0.2, 0.2], edge = '1 m' }]",
-    )  # fmt: skip
+    lowest = [0.1, 0.1, 0.2, 0.2, 0.2, 0.2]
+    patch = {"begin": "100 m", "length": "10 m", "mu0": lowest, "edge": "1 m"}
+    made = on_rail(tmp_path, kind="constant", mu0=0.28, patch=[patch])
     profile, offsets = profile_of(made, TWO_PART_TRAIN), TWO_PART_TRAIN.position
-    for wheelset, low in enumerate([0.1, 0.1, 0.2, 0.2, 0.2, 0.2]):
+    for wheelset, low in enumerate(lowest):
         places = offsets[wheelset] + np.array([99.9, 100.5, 101.0, 105.0, 109.5, 110.1, 5000.0])
         found = profile.table(np.zeros(7), places)[:, wheelset]
         # The table's grid is 5 mm; over an edge of 1 m that is 1e-3 of 0.18.
@@ -270,9 +256,12 @@ def test_each_wheelset_reaches_a_patch_of_the_rail_later(tmp_path):
 
 def test_a_patch_may_be_on_any_rail_over_distance(tmp_path):
     """Leaves of 8 m on a ramp, with steps at both ends; the later patch covers the earlier."""
-    patches = "[{ begin = '20 m', length = '8 m', mu0 = 0.03 }, { begin = '27 m', length = '5 m', mu0 = 0.15 }]"
-    ramp = ("kind = 'points'", "over = 'distance'", "points = [['0 m', 0.1], ['100 m', 0.2]]")
-    profile = pointed(tmp_path, *ramp, f"patch = {patches}")
+    patches = [
+        {"begin": "20 m", "length": "8 m", "mu0": 0.03},
+        {"begin": "27 m", "length": "5 m", "mu0": 0.15},
+    ]
+    ramp = [["0 m", 0.1], ["100 m", 0.2]]
+    profile = on_rail(tmp_path, kind="points", over="distance", points=ramp, patch=patches)
     places = np.array([19.9, 20.1, 26.9, 27.1, 31.9, 32.1])
     found = profile_of(profile, TWO_PART_TRAIN).table(np.zeros(6), places)[:, 0]
     assert found == pytest.approx([0.1199, 0.03, 0.03, 0.15, 0.15, 0.1321], abs=1e-5)
@@ -314,7 +303,7 @@ def test_a_profile_that_the_stop_never_reaches_is_refused(tmp_path):
 )
 def test_chainages_begin_at_the_origin_and_rise_or_fall(tmp_path, content, origin, places):
     """On the chainage 12.400 km, 100 m after 12.300 km, friction is halfway between 0.15 and 0.05."""
-    given = tabled(tmp_path, content, f"adhesion.origin={origin}")
+    given = tabled(tmp_path, content, origin=origin)
     expected = np.interp([0, 100, 300, 600, 700], places, [0.15, 0.05, 0.05, 0.15])
     found = profile_of(given, TWO_PART_TRAIN)
     # The grid of 5 mm moves a place by 2.5 mm or less, where friction changes by 1e-3 a metre.
@@ -325,15 +314,4 @@ def test_chainages_begin_at_the_origin_and_rise_or_fall(tmp_path, content, origi
 
 def test_an_origin_of_a_profile_over_time_is_refused(tmp_path):
     with pytest.raises(ScenarioError, match="leave origin out"):
-        tabled(tmp_path, "time,mu0\n0,.1\n30,.05\n", "adhesion.origin=5")
-
-
-def test_points_take_chainages():
-    points = [["12.35 km", 0.15], ["12.45 km", 0.05]]
-    change = {"kind": "points", "over": "distance", "polach": "soap", "points": points}
-    given = scenario_of(
-        load(LIBRARY / "plain.toml").tables() | {"adhesion": change | {"origin": "12.4 km"}},
-        directory=Path(),
-        origin="x",
-    )
-    assert friction_at(profile_of(given, TWO_PART_TRAIN), 0.0, 0.0)[0] == pytest.approx(0.10, abs=3e-6)
+        tabled(tmp_path, "time,mu0\n0,.1\n30,.05\n", origin=5)

@@ -180,11 +180,6 @@ def test_chainages_of_a_gpx_track_are_not_compared_with_those_of_friction(tmp_pa
     assert made.adhesion.places[0] == -1000.0
 
 
-def test_the_result_of_a_stop_depends_on_the_content_of_its_line(tmp_path):
-    first = scenario(tmp_path, SLOPES).digest()
-    assert scenario(tmp_path, SLOPES.replace("-8", "-9")).digest() != first
-
-
 @pytest.mark.parametrize(("name", "origin"), [("line.csv", "10.4 km"), ("line.gpx", "0 m")])
 def test_a_long_file_takes_seconds_not_minutes(tmp_path, name, origin):
     """100,000 rows of a CSV file, 30,000 points of a receiver: linear in their number, some 2 s of the processor."""

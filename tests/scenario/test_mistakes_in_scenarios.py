@@ -19,6 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 from sampling import FUZZ
+from wrong import change
 from wrong import table as stored
 
 from railgrip.base.errors import InputError, ScenarioError
@@ -77,13 +78,7 @@ def _base(name: str) -> Tables:
 
 def _with(tables: Tables, key: str, value: Any) -> Tables:
     changed = copy.deepcopy(tables)
-    *path, last = [int(part) if part.isdigit() else part for part in key.split(".")]
-    at: Any = changed
-    for part in path:
-        if isinstance(at[part], tuple):
-            at[part] = list(at[part])
-        at = at[part]
-    at[last] = value
+    change(changed, key, value)
     return changed
 
 

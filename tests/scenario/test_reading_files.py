@@ -26,12 +26,6 @@ def refusal(read, *arguments):
     return sentence
 
 
-def test_a_byte_order_mark_is_ignored(tmp_path):
-    path = tmp_path / "mine.toml"
-    path.write_text(TEXT, encoding="utf-8-sig")
-    assert load(path) == load(TRAPEZOID)
-
-
 def test_the_content_of_a_file_that_is_not_toml_is_not_printed(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "secret.txt").write_text("password hunter2\nsecret,2\n", encoding="utf-8")

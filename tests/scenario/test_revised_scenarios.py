@@ -9,7 +9,7 @@ import pytest
 
 import railgrip
 from railgrip.base.registry import shelf
-from railgrip.scenario.load import load
+from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.ideal import _full_brake
 
@@ -65,14 +65,16 @@ def test_python_scenarios_keep_their_files(scenario: Scenario) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(shelf("scenarios")))
-def test_the_tables_of_a_scenario_give_an_equal_one(name: str) -> None:
+def test_tables_and_recorded_values_of_a_scenario_give_an_equal_one(name: str) -> None:
     path = shelf("scenarios")[name]
     if "build/fmus" in path.read_text():
         pytest.skip("names an FMU that is built on request")
     scenario = load(path)
-    again = Scenario.model_validate(scenario.tables())
-    assert again == scenario
-    assert again.resolved() == scenario.resolved()
+    of_tables = Scenario.model_validate(scenario.tables())
+    of_record = scenario_of(scenario.resolved(), directory=path.parent, origin=name)
+    assert of_tables == of_record == scenario
+    assert of_tables.resolved() == scenario.resolved()
+    assert of_record.digest() == scenario.digest()
 
 
 def test_no_module_validates_what_results_record() -> None:

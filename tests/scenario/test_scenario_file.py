@@ -4,8 +4,8 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from synthetic import LIBRARY
 
-import railgrip.scenario
 from railgrip.api import Scenario
 from railgrip.base.errors import ScenarioError
 from railgrip.fmus.native.dae import read
@@ -13,7 +13,6 @@ from railgrip.fmus.native.system import explicit
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.schema import SAMPLES
 
-LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 TRAPEZOID = LIBRARY / "trapezoid.toml"
 VALVES = ["vehicle.plant=TwoPartTrainPneumatic", "actuation.kind=pneumatic"]
 
@@ -58,21 +57,27 @@ def test_the_digest_depends_on_values_and_not_on_spelling():
     assert load(TRAPEZOID, ["seed=7"]).digest() != base
 
 
-def test_the_digest_depends_on_the_content_of_named_files(tmp_path):
-    curve = tmp_path / "rail.csv"
-    scenario = tmp_path / "mine.toml"
-    text = TRAPEZOID.read_text(encoding="utf-8")
-    head, tail = text.split("[adhesion]")[0], text.split("[sensors]")[1]
-    scenario.write_text(
-        f'{head}[adhesion]\nkind = "table"\npolach = "dry"\nfile = "rail.csv"\n[sensors]{tail}',
-        encoding="utf-8",
-    )
-    curve.write_text("time,mu0\n0,0.1\n9,0.2\n", encoding="utf-8")
-    before = load(scenario).digest()
-    curve.write_text("time,mu0\n0,0.1\n9,0.3\n", encoding="utf-8")
-    assert load(scenario).digest() != before
-    assert "rail.csv" in str(load(scenario).resolved())
-    assert str(tmp_path) not in str(load(scenario).resolved())
+LINE = {"origin": 0.0, "direction": "rising"}
+
+
+@pytest.mark.parametrize(
+    ("key", "table", "content"),
+    [
+        ("adhesion", {"kind": "table", "polach": "dry", "file": "own.csv"}, "time,mu0\n0,0.1\n9,0.2\n"),
+        ("demand", {"file": "own.csv"}, "time,pressure\n0,0\n1,100000.2\n"),
+        ("track", {"line": LINE | {"file": "own.csv"}}, "distance,slope\n0,0.005\n9000,0.002\n"),
+    ],
+)
+def test_the_digest_depends_on_the_content_of_named_files(tmp_path, key, table, content):
+    def written(text):
+        (tmp_path / "own.csv").write_text(text, encoding="utf-8")
+        tables = load(TRAPEZOID).resolved() | {key: table}
+        return scenario_of(tables, directory=tmp_path, origin="mine.toml")
+
+    scenario = written(content)
+    assert written(content).digest() == scenario.digest() != written(content.replace("2\n", "3\n")).digest()
+    assert "own.csv" in str(scenario.resolved())
+    assert str(tmp_path) not in str(scenario.resolved())
 
 
 def test_a_named_polach_set_becomes_the_plants_parameters():
@@ -95,21 +100,6 @@ def test_a_path_on_the_command_line_is_relative_to_the_current_folder(tmp_path, 
     assert vehicle.plant is not None
     assert vehicle.plant.path.resolve() == tmp_path / "mine.fmu"
     assert (LIBRARY / vehicle.plant.entry).resolve() == tmp_path / "mine.fmu"
-
-
-@pytest.mark.parametrize(
-    ("content", "sentence"),
-    [
-        (b"name = ", "bad.toml: is not TOML: "),
-        (b"\xff\xfe", "bad.toml: is not text in UTF-8"),
-        (b"", r"bad.toml: \[vehicle\] is missing; it is required"),
-    ],
-)
-def test_a_file_that_is_not_a_scenario_is_refused(tmp_path, content, sentence):
-    """tests/test_files_of_users.py has missing files and folders."""
-    (tmp_path / "bad.toml").write_bytes(content)
-    with pytest.raises(ScenarioError, match=sentence):
-        load(tmp_path / "bad.toml")
 
 
 @pytest.mark.parametrize("override", ["start.speed", "=3", "start.speed=", "vehicle.parameters.r[2]=3"])

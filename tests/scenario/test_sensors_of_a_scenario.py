@@ -1,6 +1,7 @@
 """White sensors of a scenario read the requested quantities, with the effects of the track."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from kernel_calls import read
 from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
@@ -85,6 +86,12 @@ def service(step, **sensors):
     return scenario_of(merge(written, changes), directory=LIBRARY, origin="mine.toml")
 
 
+def rows_of(scenario, truths):
+    """Return the readings of true outputs at successive samples [rows of LAYOUT]."""
+    sensors = scenario.sensors.open(scenario, LAYOUT, 0.4)
+    return np.array([read(sensors, k, truth) for k, truth in enumerate(truths)])
+
+
 def test_readings_do_not_depend_on_the_communication_step():
     """Sampled each millisecond, readings of the same truth are equal with a loop at 1, 0.5 or 0.25 ms."""
     readings = []
@@ -92,9 +99,7 @@ def test_readings_do_not_depend_on_the_communication_step():
         scenario = service(step)
         every = scenario.sensors.sampled_every(scenario.periods.communication)
         assert every * scenario.periods.communication == 1e-3
-        sensors = scenario.sensors.open(scenario, LAYOUT, 0.4)
-        truths = np.linspace(30.0, 1.0, 1500)[:, None] * np.ones(LAYOUT.outputs)
-        readings.append(np.array([read(sensors, k, truth) for k, truth in enumerate(truths)]))
+        readings.append(rows_of(scenario, np.linspace(30.0, 1.0, 1500)[:, None] * np.ones(LAYOUT.outputs)))
     assert readings[0].tobytes() == readings[1].tobytes() == readings[2].tobytes()
 
 
@@ -103,8 +108,7 @@ def test_a_coarser_loop_has_the_noise_of_its_reading_instants(times):
     """Noise is drawn each millisecond, also beyond a block of draws."""
     noises = []
     for scenario, step in ((service("1 ms"), 1), (service(f"{times} ms"), times)):
-        sensors = scenario.sensors.open(scenario, LAYOUT, 0.4)
-        readings = np.array([read(sensors, k, np.zeros(LAYOUT.outputs)) for k in range(6000 // step)])
+        readings = rows_of(scenario, np.zeros((6000 // step, LAYOUT.outputs)))
         noises.append(readings[:, np.r_[LAYOUT.reading["acceleration"], LAYOUT.reading["deflection"]]])
     assert np.array_equal(noises[0][::times], noises[1])
     assert noises[1].std(axis=0).min() > 0.0
@@ -116,16 +120,11 @@ def test_a_coarser_loop_reads_encoders_and_transducers_like_a_fine_one(times):
     places = np.r_[LAYOUT.reading["wheelset_speed"], LAYOUT.reading["cylinder_pressure"]]
     last = []
     for scenario, step in ((service("1 ms"), 1), (service(f"{times} ms"), times)):
-        sensors, newest, rows = scenario.sensors.open(scenario, LAYOUT, 0.4), np.full(places.size, np.nan), []
-        for k in range(2000 // step):
-            truth = np.zeros(LAYOUT.outputs)
-            truth[LAYOUT.output["wheelset_speed"]], truth[LAYOUT.output["cylinder_pressure"]] = (
-                40.0 - 0.015 * k * step, 1e5 * (1.0 + 1e-3 * k * step),
-            )  # fmt: skip
-            reading = read(sensors, k, truth)[places]
-            newest = np.where(np.isnan(reading), newest, reading)
-            rows.append(newest)
-        last.append(np.array(rows))
+        time = step * np.arange(2000 // step)[:, None]
+        truths = np.zeros((len(time), LAYOUT.outputs))
+        truths[:, LAYOUT.output["wheelset_speed"]] = 40.0 - 0.015 * time
+        truths[:, LAYOUT.output["cylinder_pressure"]] = 1e5 * (1.0 + 1e-3 * time)
+        last.append(pd.DataFrame(rows_of(scenario, truths)[:, places]).ffill().to_numpy())
     assert last[1][1:] == pytest.approx(last[0][::times][1:], rel=1e-6, nan_ok=True)
     assert np.isfinite(last[1][20:]).all()
 
@@ -136,11 +135,9 @@ def test_a_pole_wheel_loses_teeth_at_the_same_time_with_any_communication_step()
     for step in ("0.25 ms", "1 ms", "5 ms"):
         table = service(step).resolved() | {"faults": [fault]}
         scenario = scenario_of(table, directory=LIBRARY, origin="mine.toml")
-        sensors = scenario.sensors.open(scenario, LAYOUT, 0.4)
         period = max(1e-3, scenario.periods.communication)
         truth = np.where(np.arange(LAYOUT.outputs) == LAYOUT.output["wheelset_speed"].start, 40.0, 0.0)
-        speed = np.array([read(sensors, k, truth) for k in range(round(2.0 / period))])
-        speed = speed[:, LAYOUT.reading["wheelset_speed"].start]
+        speed = rows_of(scenario, [truth] * round(2.0 / period))[:, LAYOUT.reading["wheelset_speed"].start]
         odd = np.flatnonzero(np.abs(speed / 40.0 - 1.0) > 0.05) * period
         # A step of 5 ms includes newer pulses than most gaps, which occur once a revolution.
         assert 1.0 <= odd.min() < 1.0 + 3 * 2 * np.pi / 40.0
@@ -151,9 +148,9 @@ def test_a_coarser_loop_reads_the_radar_at_its_rate_and_latency(step):
     """50 ms, also where these are 12.5 steps; the true speed equals its time."""
     scenario = service(step, speed={"noise": 0.0, "scale_error": 0.0}, acceleration={"noise": 0.0, "bias": 0.0})
     period = scenario.periods.communication
-    sensors, times = scenario.sensors.open(scenario, LAYOUT, 0.4), period * np.arange(500)
+    times = period * np.arange(500)
     truths = times[:, None] * (np.arange(LAYOUT.outputs) == LAYOUT.output["speed"].start)
-    speed = np.array([read(sensors, k, truth) for k, truth in enumerate(truths)])[:, LAYOUT.reading["speed"].start]
+    speed = rows_of(scenario, truths)[:, LAYOUT.reading["speed"].start]
     due = np.flatnonzero(np.isfinite(speed))
     assert speed[due] == pytest.approx(times[due] - 0.05, abs=1e-12)
     multiples = 0.05 * np.arange(1, 1 + due.size)
@@ -166,14 +163,12 @@ def test_a_coarser_loop_reads_at_each_of_its_steps():
 
 
 def driven(scenario, speed=20.0, seconds=40.0):
-    """Readings of a train at constant speed, and the same without errors [rows of LAYOUT]."""
-    sensors, period = scenario.sensors.open(scenario, LAYOUT, 0.4), scenario.periods.communication
-    rows = []
-    for k in range(round(seconds / period)):
-        truth = np.zeros(LAYOUT.outputs)
-        truth[LAYOUT.output["distance"]], truth[LAYOUT.output["speed"]] = speed * k * period, speed
-        rows.append(read(sensors, k, truth))
-    return np.array(rows)
+    """Return the readings of a train at constant speed [rows of LAYOUT]."""
+    period = scenario.periods.communication
+    truths = np.zeros((round(seconds / period), LAYOUT.outputs))
+    truths[:, LAYOUT.output["distance"].start] = speed * period * np.arange(len(truths))
+    truths[:, LAYOUT.output["speed"]] = speed
+    return rows_of(scenario, truths)
 
 
 def test_dropouts_and_drift_of_a_radar_are_those_of_the_table():

@@ -1,7 +1,5 @@
 """Values that both scenario and plant contain: they default to the plant's, and a contradiction is refused."""
 
-from pathlib import Path
-
 import pytest
 from synthetic import LIBRARY
 
@@ -40,11 +38,6 @@ def test_a_gradient_acts_on_the_mass_of_the_vehicle(overrides, mass):
     one = vehicle(DOWNHILL, *overrides)
     assert one.mass == pytest.approx(mass)
     assert one.track_force.at(10.0) == pytest.approx(mass * GRAVITY * 0.02 / (1 + 0.02**2) ** 0.5)
-
-
-@pytest.mark.parametrize("file", sorted(Path(LIBRARY).glob("*.toml")), ids=lambda file: file.stem)
-def test_the_library_takes_the_mass_from_the_plant(file):
-    assert "train_mass" not in file.read_text(encoding="utf-8")
 
 
 def test_track_brakes_are_those_of_the_train_file():
