@@ -42,13 +42,14 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import fmpy
 import fmpy.fmi1
-import fmpy.fmi2
 import numpy as np
+import pandas
 import typer
+from fmpy.simulation import Recorder
 
 from railgrip.base.errors import InputError
 from railgrip.fmus.build import Compiler, translate
@@ -74,7 +75,7 @@ WARNING = "inverted assertion"
 """Begin of the messages of inverted assertions, which is followed by their number."""
 
 
-EQUATIONS: dict[str, Callable[[float, dict[str, float]], list[float]]] = {
+EQUATIONS: dict[str, Callable[[float, dict[Any, float]], list[float]]] = {
     # Powell's badly scaled and Brown's almost linear function (problems 3 and 27 of Moré, Garbow and Hillstrom, 1981)
     # have several roots; the expected ones differ from script to script, by the solver of the script.
     "nonlinear_system.problem4": lambda _, v: [
@@ -133,67 +134,41 @@ def simulate(case: SuiteCase, fmu: Path) -> Verdict:
             messages.append(text)
 
     description = fmpy.read_model_description(str(fmu))
-    folder = fmpy.extract(str(fmu))
-    known = {variable.name: variable for variable in description.modelVariables}
-    missing = [name for name in case.expected if name not in known]
     assert description.coSimulation is not None, "`build` makes FMUs for co-simulation"
-    instance = fmpy.fmi2.FMU2Slave(
-        guid=description.guid,
-        unzipDirectory=folder,
-        modelIdentifier=description.coSimulation.modelIdentifier,
-        instanceName="case",
-    )
-    callbacks = fmpy.fmi2.fmi2CallbackFunctions()
-    callbacks.logger = fmpy.fmi2.fmi2CallbackLoggerTYPE(log)
-    callbacks.allocateMemory = fmpy.fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
-    callbacks.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
-    rows: dict[float, list[float]] = {}
-    names = [name for name in case.expected if name in known]
-
-    def read() -> list[float]:
-        out: list[float] = []
-        for name in names:
-            variable = known[name]
-            reader = {
-                "Integer": instance.getInteger,
-                "Enumeration": instance.getInteger,
-                "Boolean": instance.getBoolean,
-            }
-            out.append(float(reader.get(variable.type, instance.getReal)([variable.valueReference])[0]))
-        return out
-
     # An expected value at an event may be the one before or after it, so each instant has a narrow neighbourhood.
     width = 1e-5 * (case.stop - case.start)
     grid = {case.start, case.stop, *np.linspace(case.start, case.stop, 51).tolist()}
     grid |= {t + shift for t in case.times for shift in (-width, 0.0, width)}
     grid = sorted(t for t in grid if case.start <= t <= case.stop)
     try:
-        instance.instantiate(callbacks=callbacks)
+        instance = fmpy.instantiate_fmu(fmpy.extract(str(fmu)), description, "CoSimulation", logger=log)
+        recorder = Recorder(instance, description, [*case.expected])
         instance.setupExperiment(startTime=case.start)
         instance.enterInitializationMode()
         instance.exitInitializationMode()
-        rows[case.start] = read()
+        recorder.sample(case.start)
         for before, after in itertools.pairwise(grid):
             instance.doStep(currentCommunicationPoint=before, communicationStepSize=after - before)
-            rows[after] = read()
+            recorder.sample(after)
     except fmpy.fmi1.FMICallException as error:
         text = messages[0] if messages else str(error)
         return Verdict("wrong" if "assertion (" in text else "no simulation", text)
     if warned:
         return Verdict("right", " ".join(map(str, sorted(warned))))
-    if missing:
-        return Verdict("right" if not case.expected else "no signal", f"the FMU has no {', '.join(missing[:5])}")
-    return compare(case, names, rows, width)
+    found = pandas.DataFrame(recorder.result()).set_index("time").astype(float)
+    if missing := [name for name in case.expected if name not in found]:
+        return Verdict("no signal", f"the FMU has no {', '.join(missing[:5])}")
+    return compare(case, found, width)
 
 
-def compare(case: SuiteCase, names: list[str], rows: dict[float, list[float]], width: float) -> Verdict:
-    """Compare the values of signals, time → values, with the expected ones."""
+def compare(case: SuiteCase, found: pandas.DataFrame, width: float) -> Verdict:
+    """Compare the values of signals, columns over time, with the expected ones."""
     worst, where = 0.0, ""
-    for column, name in enumerate(names):
-        expected = np.array(case.expected[name])
+    for name, values in case.expected.items():
+        expected = np.array(values)
         scale = float(np.nanmax(np.abs(expected))) if np.isfinite(expected).any() else 0.0
         for t, value in zip(case.times, expected, strict=True):
-            near = [rows[u][column] for u in (t - width, t, t + width) if u in rows]
+            near = found.loc[[u for u in (t - width, t, t + width) if u in found.index], name].tolist()
             if math.isnan(value) or not near:
                 continue
             if any(math.isnan(v) for v in near):
@@ -203,8 +178,9 @@ def compare(case: SuiteCase, names: list[str], rows: dict[float, list[float]], w
                 worst, where = deviation, f"{name} at {t:g} s: {near[len(near) // 2]:g} instead of {value:g}"
     verdict = "right" if worst <= ACCURACY else "wrong"
     if verdict == "wrong" and case.class_name in EQUATIONS:
-        values = {t: dict(zip(names, rows[t], strict=True)) for t in case.times if t in rows}
-        residuals = [abs(r) for t, v in values.items() for r in EQUATIONS[case.class_name](t, v)]
+        instants = [t for t in case.times if t in found.index]
+        values = found[list(case.expected)].loc[instants].to_dict("records")
+        residuals = [abs(r) for t, v in zip(instants, values, strict=True) for r in EQUATIONS[case.class_name](t, v)]
         if max(residuals, default=math.inf) <= RESIDUAL:
             return Verdict("other solution", f"largest residual {max(residuals):.1e}; {where}")
     return Verdict(verdict, f"{worst:.1e} {where}".strip() if case.expected else "")
@@ -429,22 +405,18 @@ def reference(libraries: Sequence[Path], results: Path, only: str = "", most: in
         own = [library for library in libraries if name_of(library) == parts[0]]
         if len(tables) != 1 or not own or not re.search(only, ".".join(parts)):
             continue
-        with tables[0].open(encoding="utf-8", newline="") as stream:
-            header, *lines = [row for row in csv.reader(stream) if row]
-        rows = [[float(cell) for cell in row] for row in lines]
+        rows = pandas.read_csv(tables[0], index_col=0)
         wanted = [name.strip() for name in signals.read_text(encoding="utf-8").split("\n")]
-        columns = [n for n, name in enumerate(header) if name in wanted and n]
         # Of instants with two rows, an event, and of more rows than necessary only some are compared.
-        count = Counter(row[0] for row in rows)
-        once = [row for row in rows if count[row[0]] == 1]
+        once = rows[~rows.index.duplicated(keep=False)]
         chosen = once[:: max(1, len(once) // most)]
         yield SuiteCase(
             class_name=".".join(parts),
             libraries=(own[0], *(library for library in libraries if library != own[0])),
-            start=rows[0][0],
-            stop=rows[-1][0],
-            times=tuple(row[0] for row in chosen),
-            expected={header[n]: tuple(row[n] for row in chosen) for n in columns},
+            start=float(rows.index[0]),
+            stop=float(rows.index[-1]),
+            times=tuple(chosen.index.astype(float)),
+            expected={str(name): tuple(of) for name, of in chosen.items() if name in wanted},
         )
 
 
