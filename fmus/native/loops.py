@@ -26,20 +26,6 @@ LONGEST = 150
 PARAMETERS = "const double **restrict arg, double **restrict res, double *restrict w"
 
 
-@dataclass(frozen=True, slots=True)
-class _Constant:
-    """A constant, as text in C."""
-
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class _Argument:
-    """An argument of the function; its members are its elements."""
-
-    place: int
-
-
 @dataclass(slots=True, eq=False)
 class _OperationGroup:
     """Operations with equal expressions.
@@ -60,7 +46,7 @@ class _OperationGroup:
 
     name: str
     operation: str
-    operands: "tuple[_Constant | _Argument | _OperationGroup, ...]"
+    operands: "tuple[_Source, ...]"
     first: int
     members: list[tuple[int, ...]] = field(default_factory=list)
     users: "list[_OperationGroup]" = field(default_factory=list)
@@ -71,7 +57,9 @@ class _OperationGroup:
     begin: int = -1
 
 
-_Source = _Constant | _Argument | _OperationGroup
+_Source = str | int | _OperationGroup
+"""A constant as text in C, an argument of the function by its place, whose members are its elements, or operations."""
+
 _Results = Mapping[_Source, Mapping[int, list[tuple[int, int]]]]
 """Source → number of a result → its elements and the members that they are."""
 
@@ -110,9 +98,9 @@ def _read(function: ca.Function) -> tuple[list[_OperationGroup], _Results]:
         operation = operation_names()[function.instruction_id(k)]
         to, arguments = function.instruction_output(k), function.instruction_input(k)
         if operation == "OP_CONST":
-            values[to[0]] = _Constant(number(function.instruction_constant(k))), 0
+            values[to[0]] = number(function.instruction_constant(k)), 0
         elif operation == "OP_INPUT":
-            values[to[0]] = _Argument(arguments[0]), arguments[1]
+            values[to[0]] = arguments[0], arguments[1]
         elif operation == "OP_OUTPUT":
             source, member = values[arguments[0]]
             results[source][to[0]].append((to[1], member))
@@ -266,10 +254,10 @@ class _LoopWriter:
             yield len(places), [f"res[{result}][{to}] = {value};"]
 
     def _value(self, source: _Source, places: Sequence[int], loop: int = -1) -> str:
-        if isinstance(source, _Constant):
-            return source.text
-        if isinstance(source, _Argument):
-            return f"arg[{source.place}][{self._place(places)}]"
+        if isinstance(source, str):
+            return source
+        if isinstance(source, int):
+            return f"arg[{source}][{self._place(places)}]"
         if source.loop == loop:
             return source.name
         return f"w[{self._place([source.begin + place for place in places])}]"

@@ -57,11 +57,6 @@ def findings(tree: Tree) -> Iterator[Finding]:
     for class_ in tree.every:
         yield from _Names(tree, class_).findings()
     yield from _computed_constants(tree)
-    for class_ in tree.every:
-        for clause in class_.definition["extends"]:
-            base = tree.by_id.get(clause["base_def_id"])
-            if base is not None:
-                yield from _shared_constants(tree, class_, clause, base)
 
 
 def misread_clauses(tree: Tree) -> Iterator[Finding]:
@@ -87,8 +82,8 @@ def misread_values(
         path[-1].node["def_id"]
         for class_ in tree.every
         for node in class_.components.values()
-        for reference in references(node["shape_expr"])
-        if (path := tree.component_path(class_, reference.node))
+        for reference, _, _ in references(node["shape_expr"])
+        if (path := tree.component_path(class_, reference))
     )
     sizing = set(sizes)
     number = {
@@ -132,40 +127,14 @@ def _reads_array(value: Any, flat: Mapping[str, Node], tree: Tree) -> bool:
     return any(_reads_array(part, flat, tree) for key, part in value.items() if key != "span")
 
 
-@dataclass(frozen=True, slots=True)
-class _Reference:
-    """A name in an expression.
+def references(tree: Any) -> Iterator[tuple[Node, frozenset[str], bool]]:
+    """Yield the node of each name in a tree of equations or expressions, including those of functions.
 
-    Attributes:
-        parts: Identifiers, first to last.
-        is_global: Whether it is written with a leading dot.
-        in_connect: Whether it is an argument of connect.
-        bound: Iteration variables around it.
+    With each node come the iteration variables around it, and whether it is an argument of connect.
     """
-
-    parts: list[str]
-    node: Node
-    is_global: bool = False
-    in_connect: bool = False
-    bound: frozenset[str] = frozenset()
-
-    @property
-    def text(self) -> str:
-        return ".".join(self.parts)
-
-
-def references(tree: Any) -> Iterator[_Reference]:
-    """Yield all names in a tree of equations or expressions, including those of functions."""
     for node, bound in walk(tree):
-        for key in ("ComponentReference", "comp"):
-            if key in node:
-                yield _reference(node[key], bound)
-        for side in ("lhs", "rhs") if "Connect" in node else ():
-            yield _reference(node["Connect"][side], bound, in_connect=True)
-
-
-def _reference(node: Node, bound: frozenset[str], *, in_connect: bool = False) -> _Reference:
-    return _Reference(parts_of(node), node, is_global=bool(node.get("local")), in_connect=in_connect, bound=bound)
+        yield from ((node[key], bound, False) for key in ("ComponentReference", "comp") if key in node)
+        yield from ((node["Connect"][side], bound, True) for side in ("lhs", "rhs") if "Connect" in node)
 
 
 def _inside(kind: str, tree: Any) -> Iterator[Any]:
@@ -185,8 +154,9 @@ class _Names:
     def findings(self) -> Iterator[Finding]:
         yield from self._types()
         for expression in self._expressions():
-            for reference in references(expression):
-                yield from self._reference(reference)
+            for node, bound, in_connect in references(expression):
+                if parts_of(node)[0] not in bound:
+                    yield from self._reference(node, in_connect=in_connect)
             yield from self._mismatches(expression)
         yield from self._lost_assertions()
         yield from self._bindings()
@@ -234,30 +204,26 @@ class _Names:
                 f"but it is {meant.name} (5.3); rename one of them",
             )
 
-    def _reference(self, reference: _Reference) -> Iterator[Finding]:
-        first, node = reference.parts[0], reference.node
-        if first in reference.bound:
-            return
-        if first == "time" and len(reference.parts) == 1 and self.class_.kind not in ("model", "block", "class"):
+    def _reference(self, node: Node, *, in_connect: bool) -> Iterator[Finding]:
+        parts, name = parts_of(node), path_of(node)
+        first = parts[0]
+        if name == "time" and self.class_.kind not in ("model", "block", "class"):
             yield node, f"the {self.class_.kind} {self.class_.short_name} uses time (3.6.7)"
             return
-        if reference.is_global:
+        if node.get("local"):
             found = self.tree.look_up(first, self.class_)
             # A function with the name of a built-in one is equal to it, or `language` refuses it.
             is_function = BUILT_IN_FUNCTIONS.fullmatch(first) and self.tree.resolve(first, self.class_) is not None
             if found is not None and found is not self.tree.roots.get(first) and not is_function:
-                yield (
-                    node,
-                    f"the built-in compiler reads .{reference.text} as the local {first} (5.3.3); rename the local one",
-                )
-        path = self._path(reference.parts, self.class_, reference.is_global)
-        yield from self._protected(node, path, reference.parts)
-        for element, part in zip(path, reference.parts, strict=False):
-            if not element.is_class and element.node["condition"] is not None and not reference.in_connect:
-                yield node, f"{reference.text} uses the conditional component {part}, which only connect may (4.4.5)"
+                yield node, f"the built-in compiler reads .{name} as the local {first} (5.3.3); rename the local one"
+        path = self._path_of(node)
+        yield from self._protected(node, path, parts)
+        for element, part in zip(path, parts, strict=False):
+            if not element.is_class and element.node["condition"] is not None and not in_connect:
+                yield node, f"{name} uses the conditional component {part}, which only connect may (4.4.5)"
         for element, following in pairwise(path):
             if not element.is_class and element.rank and following.is_class:
-                yield node, f"{reference.text} is a class in an array of components (5.3.2)"
+                yield node, f"{name} is a class in an array of components (5.3.2)"
 
     def _protected(self, node: Node, path: Sequence[Element], parts: Sequence[str]) -> Iterator[Finding]:
         for element, part in list(zip(path, parts, strict=False))[1:]:
@@ -276,14 +242,14 @@ class _Names:
         inherited = self.tree.inherit(self.class_)
         around = self.tree.by_name.get(self.class_.name.rpartition(".")[0])
         for clause in self.class_.definition["extends"]:
-            for reference in references([a["expr"] for a in clause["modifications"]]):
-                first = reference.parts[0]
+            for node, bound, _ in references([a["expr"] for a in clause["modifications"]]):
+                first = parts_of(node)[0]
                 element = inherited.get(first)
-                if element is None or first in reference.bound or reference.is_global:
+                if element is None or first in bound or node.get("local"):
                     continue
                 if around is None or self.tree.look_up(first, around) != element:
                     yield (
-                        reference.node,
+                        node,
                         f"the built-in compiler reads {first} in the modifiers of the short class "
                         f"{self.class_.short_name} as the element of {element.owner.name}, but it is that of the class "
                         f"around {self.class_.short_name} (5.3); rename that one",
@@ -331,16 +297,16 @@ class _Names:
                         )
 
     def _is_parameter(self, expression: Any) -> bool:
-        for reference in references(expression):
-            if reference.parts[0] in reference.bound:
+        for node, bound, _ in references(expression):
+            first, path = parts_of(node)[0], self._path_of(node)
+            if first in bound:
                 continue
-            path = self._path(reference.parts, self.class_, reference.is_global)
             if any(element.variability in ("parameter", "constant") for element in path):
                 continue
             class_ = path[-1].type if path and path[-1].is_class else None
             if class_ is not None and (class_.kind == "function" or class_.literals):
                 continue
-            if not path and reference.parts[0] not in ("time", "initial", "terminal", "sample"):
+            if not path and first not in ("time", "initial", "terminal", "sample"):
                 continue  # a built-in function
             return False
         return True
@@ -410,6 +376,7 @@ class _Names:
             base = self.tree.by_id.get(clause["base_def_id"])
             if base is not None:
                 yield from self._modifiers(extends_modifiers(clause), base)
+                yield from self._shared_constants(clause, base)
 
     def _modifiers(self, modifiers: Sequence[Modifier], target: Class) -> Iterator[Finding]:
         for modifier in modifiers:
@@ -420,6 +387,20 @@ class _Names:
             yield from self._continuous(modifier.node, f"'{modifier.name}'", element, modifier.value)
             if element.type is not None:
                 yield from self._modifiers(modifier.inner, element.type)
+
+    def _shared_constants(self, clause: Node, base: Class) -> Iterator[Finding]:
+        # If a class uses both packages, rumoca gives the base the constants of its heir.
+        heir, modified = self.class_, {modifier.name for modifier in extends_modifiers(clause)}
+        if base.kind != "package" or not modified & base.components.keys():
+            return
+        affected = "|".join([*base.components, *base.classes])
+        uses = re.compile(rf"\b{base.short_name}\s*\.\s*(?:{affected})\b")
+        if _is_written(self.tree, uses) and _is_written(self.tree, re.compile(rf"\b{heir.short_name}\s*\.")):
+            yield (
+                clause,
+                f"{heir.name} modifies constants of {base.name}, which is used itself: the built-in compiler would "
+                f"modify them in {base.name} too (7.1); declare the constants without a value there",
+            )
 
     def _mismatches(self, tree: Any) -> Iterator[Finding]:
         for node, bound in walk(tree):
@@ -569,21 +550,6 @@ def _computed_constants(tree: Tree) -> Iterator[Finding]:
                 f"{package}.{name} is a computed constant of {len(nodes)} packages of the name {package}, which the "
                 "built-in compiler confuses; rename one of them (5.3)",
             )
-
-
-def _shared_constants(tree: Tree, heir: Class, clause: Node, base: Class) -> Iterator[Finding]:
-    # If a class uses both packages, rumoca gives the base the constants of its heir.
-    modified = {modifier.name for modifier in extends_modifiers(clause)}
-    if base.kind != "package" or not modified & base.components.keys():
-        return
-    affected = "|".join([*base.components, *base.classes])
-    uses = re.compile(rf"\b{base.short_name}\s*\.\s*(?:{affected})\b")
-    if _is_written(tree, uses) and _is_written(tree, re.compile(rf"\b{heir.short_name}\s*\.")):
-        yield (
-            clause,
-            f"{heir.name} modifies constants of {base.name}, which is used itself: the built-in compiler would modify "
-            f"them in {base.name} too (7.1); declare the constants without a value there",
-        )
 
 
 def _is_written(tree: Tree, pattern: re.Pattern[str]) -> bool:
