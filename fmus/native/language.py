@@ -43,6 +43,7 @@ _CLASS_EXTENDS = (
     "`{0} extends {1}` is not supported by the built-in compiler (7.3.1); write a class of another name that extends "
     "the inherited {1}, and redeclare {1} as that class in the extends clause"
 )
+_CONSTRAINT_MODIFIERS = re.compile(r"\bconstrainedby\s+[\w.]+\s*\(")
 _OURS = "built-in compiler"
 """Words of findings on valid Modelica."""
 _MAXIMUM_FINDINGS = 3
@@ -318,8 +319,7 @@ class _Checker:
         element = self.tree.elements(class_)[name]
         yield from self._prefixes(class_, name, element)
         yield from self._constraint(class_, name, element)
-        if node["is_redeclare"]:
-            yield from self._element_redeclaration(class_, name, element)
+        yield from self._redeclared_element(class_, name, element)
         modifiers = element.modifiers
         if element.type is None:
             if element.simple:
@@ -344,19 +344,13 @@ class _Checker:
             constraint = self.tree.resolve(join_name(definition["constrainedby"]), class_)
             own = len(definition["array_subscripts"] or ())
             yield from self._subtype(definition, short, inner, constraint, own)
-        if definition["constrainedby"] and re.search(
-            r"\bconstrainedby\s+[\w.]+\s*\(", self.tree.text_of(definition["location"])
-        ):
-            yield (
-                definition,
-                f"modifiers in the constraining clause of the class {short} are lost in the built-in compiler (7.3.2); "
-                f"write them on components of type {short}",
-            )
-        if definition["is_redeclare"]:
-            original = self.tree.inherit(class_).get(short)
-            yield from self._redeclared_element(class_, definition, short, original, definition["is_protected"])
-            if original is not None:
-                yield from self._subtype(definition, short, inner, original.type)
+            if _CONSTRAINT_MODIFIERS.search(self.tree.text_of(definition["location"])):
+                yield (
+                    definition,
+                    f"modifiers in the constraining clause of the class {short} are lost in the built-in compiler "
+                    f"(7.3.2); write them on components of type {short}",
+                )
+        yield from self._redeclared_element(class_, short, self.tree.elements(class_)[short])
 
     def _constraint(self, class_: Class, name: str, element: Element) -> Iterator[Finding]:
         named = element.node["constrainedby"]
@@ -393,24 +387,10 @@ class _Checker:
         if missing:
             yield node, f"{name} is of {new.name}, which lacks {', '.join(missing)} of {constraint.name} (7.3.2)"
 
-    def _element_redeclaration(self, class_: Class, name: str, element: Element) -> Iterator[Finding]:
-        original = self.tree.inherit(class_).get(name)
-        yield from self._redeclared_element(class_, element.node, name, original, element.protected)
-        if original is None:
+    def _redeclared_element(self, class_: Class, name: str, element: Element) -> Iterator[Finding]:
+        node, original = element.node, self.tree.inherit(class_).get(name)
+        if not node["is_redeclare"]:
             return
-        constraint = original.node["constrainedby"]
-        bound = self.tree.resolve(join_name(constraint), original.owner) if constraint else original.type
-        yield from self._subtype(element.node, name, element.type, bound)
-        if original.constraint_modifiers or (original.constraint_modifiers is None and original.modifiers):
-            yield (
-                element.node,
-                f"the redeclaration of {name} would lose the modifiers of its constraining type in the built-in "
-                f"compiler (7.3.2); redeclare it in the extends clause",
-            )
-
-    def _redeclared_element(
-        self, class_: Class, node: Node, name: str, original: Element | None, protected: bool
-    ) -> Iterator[Finding]:
         if original is None:
             yield node, f"{name} is redeclared, but {class_.name} does not inherit it (7.3)"
             return
@@ -420,9 +400,19 @@ class _Checker:
             yield node, f"{name} is redeclared, but is final in {original.owner.name} (7.2.6)"
         if original.variability == "constant":
             yield node, f"{name} is redeclared, but is a constant of {original.owner.name} (7.3.3)"
-        if original.protected != protected:
+        if original.protected != element.protected:
             before, after = ("protected", "public") if original.protected else ("public", "protected")
             yield node, f"{name} is redeclared as {after}, but is {before} in {original.owner.name} (7.3.3)"
+        constraint = None if element.is_class else original.node["constrainedby"]
+        bound = self.tree.resolve(join_name(constraint), original.owner) if constraint else original.type
+        yield from self._subtype(node, name, element.type, bound)
+        constrained = original.modifiers if original.constraint_modifiers is None else original.constraint_modifiers
+        if constrained and not element.is_class:
+            yield (
+                node,
+                f"the redeclaration of {name} would lose the modifiers of its constraining type in the built-in "
+                f"compiler (7.3.2); redeclare it in the extends clause",
+            )
 
     def _modifiers(
         self, scope: Class, modifiers: Sequence[Modifier], target: Class, *, rank: int, outside: bool, depth: int
@@ -505,7 +495,7 @@ class _Checker:
                 f"{element.owner.name} and redeclares {name} as an element: "
                 f"`redeclare {modifier.type} {name} = ...;`",
             )
-        if re.search(r"\bconstrainedby\s+[\w.]+\s*\(", argument):
+        if _CONSTRAINT_MODIFIERS.search(argument):
             yield (
                 modifier.node,
                 f"the constraining clause in the redeclaration of '{name}' would be lost in the built-in compiler "
