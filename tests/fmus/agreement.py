@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import fmpy
 import numpy as np
+from small_fmus import simulated
 from test_train_fmus import HELD, held
 
 from railgrip.fmi import CoSimulation, Description, Port, bind
@@ -38,21 +38,11 @@ def integrated(
     description: Description, inputs: Mapping[str, float], start: Mapping[str, float], until: float = STOP
 ) -> np.ndarray:
     """Return all outputs on the grid as columns by name, from CVODE in FMPy."""
-    signals = np.array(
-        [(t, *inputs.values()) for t in (0.0, until)], dtype=[("time", float), *((n, float) for n in inputs)]
-    )
-    return fmpy.simulate_fmu(
-        str(description.file),
-        validate=False,
-        fmi_type="ModelExchange",
-        stop_time=until,
-        output_interval=STEP,
-        record_events=False,
-        relative_tolerance=1e-9,
-        input=signals,
+    return simulated(
+        description.file, inputs, description.names("output"), until, STEP,
+        validate=False, fmi_type="ModelExchange", record_events=False, relative_tolerance=1e-9,
         start_values=dict(start),
-        output=list(description.names("output")),
-    )
+    )  # fmt: skip
 
 
 def stepped(

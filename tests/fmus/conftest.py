@@ -1,14 +1,13 @@
 """FMUs of small Modelica models, built once per run, and ways to run them."""
 
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import fmpy
 import pytest
-from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
-from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE as AllocateType
-from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as FreeType
-from small_fmus import FEATURES, Fmu, Running
+from slave import Slave
+from small_fmus import FEATURES, Fmu
 
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.package import pack, sources
@@ -52,50 +51,20 @@ def modelica(built: Callable[[Path, str], Fmu], tmp_path_factory: pytest.TempPat
 
 
 @pytest.fixture
-def run() -> Iterator[Callable[..., Running]]:
+def written(tmp_path: Path) -> Callable[..., Path]:
+    """Return a function that writes a text into a file, M.mo unless it has another name, and returns its path."""
+
+    def write(text: str, name: str = "M.mo") -> Path:
+        (tmp_path / name).write_text(text)
+        return tmp_path / name
+
+    return write
+
+
+@pytest.fixture
+def run() -> Iterator[Callable[..., Slave]]:
     """Return a function that starts an FMU: run(fmu, interface="cs", start={name: value}, time=0.0, messages=[])."""
-    alive: list[Running] = []
-
-    def start(
-        fmu: Fmu,
-        interface: str = "cs",
-        *,
-        start: dict[str, float] | None = None,
-        time: float = 0.0,
-        messages: list[str] | None = None,
-    ) -> Running:
-        kind, identifier = (
-            (FMU2Slave, fmu.description.coSimulation.modelIdentifier)
-            if interface == "cs"
-            else (FMU2Model, fmu.description.modelExchange.modelIdentifier)
+    with ExitStack() as running:
+        yield lambda fmu, interface="cs", **more: running.enter_context(
+            Slave(fmu.path, folder=fmu.folder, interface=interface, **more)
         )
-        instance = kind(
-            guid=fmu.description.guid,
-            unzipDirectory=str(fmu.folder),
-            modelIdentifier=identifier,
-            instanceName="under test",
-        )
-        running = Running(fmu, instance, [] if messages is None else messages)
-        callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(lambda *a: running.messages.append(a[4].decode()))
-        callbacks.allocateMemory = AllocateType()
-        callbacks.freeMemory = FreeType()
-        instance.instantiate(callbacks=callbacks)
-        instance.setupExperiment(startTime=time)
-        for name, value in (start or {}).items():
-            (setter,) = [v for v in fmu.description.modelVariables if v.name == name]
-            if setter.type == "Real":
-                instance.setReal([setter.valueReference], [value])
-            elif setter.type == "Boolean":
-                instance.setBoolean([setter.valueReference], [bool(value)])
-            else:
-                instance.setInteger([setter.valueReference], [int(value)])
-        instance.enterInitializationMode()
-        instance.exitInitializationMode()
-        alive.append(running)
-        return running
-
-    yield start
-    for running in alive:
-        running.instance.terminate()
-        running.instance.freeInstance()

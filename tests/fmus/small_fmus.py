@@ -1,12 +1,14 @@
 """FMUs of small Modelica models, returned by the fixtures of this folder."""
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import fmpy
 import numpy as np
+import pytest
 import rumoca
-from fmpy.fmi2 import FMU2Model, FMU2Slave
+from slave import Slave
 
 FEATURES = Path(__file__).parent / "modelica" / "Features"
 
@@ -29,38 +31,54 @@ class Fmu:
         ]  # fmt: skip
 
 
-@dataclass(slots=True)
-class Running:
-    """An instance between initialisation and termination, addressed by names."""
+def check_directional_derivatives(
+    instance: Slave, unknown: list[str], known: list[str], *, least: float = 1.0, rounding: float = 0.0
+) -> None:
+    """Compare the FMU's own derivatives of variables, by each of others, with central differences.
 
-    fmu: Fmu
-    instance: FMU2Slave | FMU2Model
-    messages: list[str] = field(default_factory=list)
-
-    def get(self, *names: str) -> list[float]:
-        return self.instance.getReal([self.fmu.reference(n) for n in names])
-
-    def count(self, name: str) -> int:
-        return self.instance.getInteger([self.fmu.reference(name)])[0]
-
-    def set(self, **values: float) -> None:
-        self.instance.setReal([self.fmu.reference(n) for n in values], list(values.values()))
-
-    def steps(self, count: int, size: float, first: int = 0) -> None:
-        for k in range(first, first + count):
-            self.instance.doStep(k * size, size)
+    Truncation and rounding of the differences allow 1e-5 of a value, and `rounding` of its size over the step,
+    which is 1e-6 of the variable or of `least`.
+    """
+    references = [instance.reference[n] for n in unknown]
+    for name in known:
+        (x,) = instance.get(name)
+        h = 1e-6 * max(abs(x), least)
+        sides = []
+        for shifted in (x + h, x - h):
+            instance.set(**{name: shifted})
+            sides.append(np.array(instance.get(*unknown)))
+        instance.set(**{name: x})
+        given = np.array(instance.fmu.getDirectionalDerivative(references, [instance.reference[name]], [1.0]))
+        error = 1e-5 + np.max(rounding * np.maximum(np.abs(sides[0]), 1) / h)
+        assert given == pytest.approx((sides[0] - sides[1]) / (2 * h), rel=1e-5, abs=error), name
 
 
 def reference_run(library: Path, class_name: str, stop: float, step: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return the grid points without a nearby event, and rumoca's own simulation at these.
-
-    Near an event one of two simulators is earlier by a rounding error, so 2 ms on either side are excluded.
-    """
+    """Return the grid points without a nearby event, and rumoca's own simulation at these."""
     model = rumoca.Session(roots=[str(library.parent)]).load(str(library / "package.mo"), model=class_name)
     result = model.simulate((0, stop), dt=step, config=rumoca.SimConfig(solver="bdf", rtol=1e-10, atol=1e-12))
-    time = np.asarray(result.time)
+    keep = away_from_events(np.asarray(result.time), step, 2e-3)
+    found = {name: np.asarray(result[name])[keep] for name in result.names if name != "time"}
+    return np.asarray(result.time)[keep], found
+
+
+def away_from_events(time: np.ndarray, step: float, margin: float) -> np.ndarray:
+    """Return which times of a simulation are on the grid and away from events, which are there twice.
+
+    Near an event one of two simulators is earlier by a rounding error.
+    """
     doubled = time[np.flatnonzero(np.diff(time) < 1e-9)]
-    on_grid = np.abs(time - np.round(time / step) * step) < 1e-9
-    clear = np.array([np.all(np.abs(t - doubled) > 2e-3) for t in time])
-    keep = on_grid & clear
-    return time[keep], {name: np.asarray(result[name])[keep] for name in result.names if name != "time"}
+    clear = np.array([np.all(np.abs(t - doubled) > margin) for t in time])
+    return (np.abs(time - np.round(time / step) * step) < 1e-9) & clear
+
+
+def simulated(
+    file: Path, inputs: Mapping[str, float], outputs: Sequence[str], until: float, step: float, **settings: object
+) -> np.ndarray:
+    """Return outputs on a grid as columns by name, from FMPy, under constant inputs."""
+    signals = np.array(
+        [(t, *inputs.values()) for t in (0.0, until)], dtype=[("time", float), *((n, float) for n in inputs)]
+    )
+    return fmpy.simulate_fmu(
+        str(file), stop_time=until, output_interval=step, input=signals, output=list(outputs), **settings
+    )

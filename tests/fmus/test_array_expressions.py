@@ -351,10 +351,9 @@ def test_slices_in_loops_are_equations_of_each_element(tmp_path, equations):
     np.testing.assert_allclose(values, [[LOOPS[equations](i, k) for k in range(2)] for i in range(3)], rtol=1e-15)
 
 
-def test_a_slice_in_three_dimensions_is_refused_with_what_to_write(tmp_path):
+def test_a_slice_in_three_dimensions_is_refused_with_what_to_write(written):
     """The front end counts an equation of such a slice as one, whatever its size."""
-    file = tmp_path / "M.mo"
-    file.write_text("model M\n  output Real v[1, 1, 2];\nequation\n  v[1:1, 1:1, 1:2] = {{{time, 1}}};\nend M;\n")
+    file = written("model M\n  output Real v[1, 1, 2];\nequation\n  v[1:1, 1:1, 1:2] = {{{time, 1}}};\nend M;\n")
     with pytest.raises(InputError, match=r"slices in three dimensions such as .* write these as a for loop"):
         lower("M", file)
     file.write_text(

@@ -1,7 +1,6 @@
 """From recipe to FMU: reproducible, only when necessary, and with a sentence when it is impossible."""
 
 import hashlib
-import os
 import shutil
 import subprocess
 import sys
@@ -184,29 +183,6 @@ def test_both_command_lines_without_a_c_compiler_exit_with_3(tmp_path, command):
     done = ended(sys.executable, "-c", hide, env={"PATH": str(tmp_path)})
     assert done.returncode == 3, done.stderr
     assert "no C compiler" in done.stderr
-
-
-@pytest.fixture
-def house(tmp_path):
-    """A copy of the installed package that a test may damage."""
-    shutil.copytree(ROOT / "harness", tmp_path / "railgrip", ignore=shutil.ignore_patterns("__pycache__"))
-    for folder in ("fmus", "modelica", "estimators", "controllers"):
-        shutil.copytree(ROOT / folder, tmp_path / "railgrip" / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    return tmp_path
-
-
-def test_a_class_that_does_not_compile_is_reported_with_file_and_line(house):
-    """By `build`; tests/stops/test_own_modelica.py has the same for `run`."""
-    file = house / "railgrip" / "modelica" / "RailBraking" / "Vehicles" / "PartialTrain.mo"
-    text = file.read_text()
-    file.write_text(text.replace("der(air) = air_flow;", "der(air) = air_flwo;"))
-    line = text.splitlines().index("  der(air) = air_flow;") + 1
-    command = ("railgrip", "build", "TwoPartTrain")
-    done = ended(sys.executable, "-m", *command, cwd=house, env=os.environ | {"PYTHONPATH": str(house)})
-    assert done.returncode == 2, done.stderr
-    assert "RailBraking.Plants.TwoPartTrain does not compile" in done.stderr
-    assert "unresolved component reference: 'air_flwo'" in done.stderr
-    assert f"modelica/RailBraking/Vehicles/PartialTrain.mo:{line}: der(air) = air_flwo;" in done.stderr
 
 
 def test_only_the_cache_counts_as_built(kitchen):

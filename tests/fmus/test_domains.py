@@ -94,16 +94,15 @@ GUARDED = {
 }  # fmt: skip
 
 
-def test_guarded_operations_need_not_be_defined(built, run, tmp_path):
+def test_guarded_operations_need_not_be_defined(built, run, written):
     """Closed forms, all in one class; y at an event is that of the event's time, located within 1e-10 s."""
     declarations, equations = list[str](), list[str]()
     for k, (equation, _) in enumerate(GUARDED.values()):
         declarations.append(f"discrete Real y{k}(start=0,fixed=true);" if "when" in equation else f"Real y{k};")
         equations.append(re.sub(r"\by\b", f"y{k}", equation.replace("P.f", "f").replace("t[3]", "t[2]")))
-    file = tmp_path / "P.mo"
-    file.write_text(
+    file = written(
         f"{FUNCTION}\nmodel M Real x(start=-0.5,fixed=true); parameter Real t[2] = {{1, 2}};\n"
-        + "\n".join([*declarations, "equation", "der(x) = 1;", *equations, "end M;", "end P;", ""])
+        + "\n".join([*declarations, "equation", "der(x) = 1;", *equations, "end M;", "end P;", ""]),
     )
     instance = run(built(file, "P.M"))
     instance.steps(10, 0.1)
@@ -125,11 +124,10 @@ def test_a_guarded_root_in_a_derivative_passes_its_boundary(modelica, run):
     ("equation", "words"),
     [("y = 1/0;", "the divisor"), ("y = t[n + 1];", r"t\[n \+ 1\]: subscript 1 must be from 1 to 3, but it is 4")],
 )
-def test_a_constant_that_is_not_defined_is_an_error_at_build_time(tmp_path, equation, words):
-    file = tmp_path / "M.mo"
-    file.write_text(
+def test_a_constant_that_is_not_defined_is_an_error_at_build_time(written, equation, words):
+    file = written(
         "model M\n constant Integer n = 3;\n parameter Real t[3] = {1, 2, 3};\n Real x(start=0,fixed=true);\n Real y;\n"
-        f"equation\n der(x) = 1;\n {equation}\nend M;\n"
+        f"equation\n der(x) = 1;\n {equation}\nend M;\n",
     )
     with pytest.raises(TranslationError, match=rf"M\.mo:8: M: .*{words}"):
         explicit(read("M", file))

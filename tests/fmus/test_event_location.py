@@ -49,14 +49,6 @@ def test_friction_stops_holds_and_releases(feature, run):
     assert instance.get("v")[0] == pytest.approx(0.25, abs=1e-8)
 
 
-def test_a_time_event_moves_with_its_parameter(feature, run):
-    """der(x) is 1 until 0.25 s, −2 until T, then 0.5."""
-    for T in (0.35, 0.6):
-        instance = run(feature("TimeEvents"), start={"T": T})
-        instance.steps(1, 1.0)
-        assert instance.get("x")[0] == pytest.approx(0.25 - 2 * (T - 0.25) + 0.5 * (1 - T), abs=1e-12)
-
-
 def test_a_jump_of_an_input_triggers_its_event_at_once(feature, run):
     fmu = feature("Driven")
     instance = run(fmu, start={"k": 1.0})
@@ -65,7 +57,7 @@ def test_a_jump_of_an_input_triggers_its_event_at_once(feature, run):
     instance.set(u=10.0)
     instance.steps(5, 0.1, first=10)
     assert instance.count("count") == 1
-    instance.instance.setBoolean([fmu.reference("frozen")], [True])
+    instance.fmu.setBoolean([fmu.reference("frozen")], [True])
     before = instance.get("x")
     instance.steps(5, 0.1, first=15)
     assert instance.get("x") == before
@@ -89,11 +81,9 @@ end M;
 """
 
 
-def test_variables_read_only_by_clocked_equations_cause_no_second_pass(tmp_path):
+def test_variables_read_only_by_clocked_equations_cause_no_second_pass(written):
     """Only clocked equations and a derivative read the delay line; another when clause also reads the flag."""
-    file = tmp_path / "M.mo"
-    file.write_text(COUNTER)
-    system = explicit(read("M", file))
+    system = explicit(read("M", written(COUNTER)))
     assert [system.variables.discretes[i].name for i in repeating_discretes(system)] == ["odd", "count"]
 
 
@@ -191,15 +181,15 @@ def test_initial_equations_through_a_limiter_are_solved_from_its_limits(modelica
 def test_model_exchange_locates_or_refuses_the_end_of_a_loops_solution(modelica, run):
     fmu = modelica(MULTIVIBRATOR)
     instance = run(fmu, "me")
-    instance.instance.newDiscreteStates()
-    instance.instance.enterContinuousTimeMode()
-    instance.instance.setTime(0.04)
+    instance.fmu.newDiscreteStates()
+    instance.fmu.enterContinuousTimeMode()
+    instance.fmu.setTime(0.04)
     values = (ctypes.c_double * 1)(-8.0)
-    instance.instance.setContinuousStates(values, 1)
+    instance.fmu.setContinuousStates(values, 1)
     assert instance.get("v")[0] == pytest.approx(15, abs=1e-6)
     # A trial step beyond the end of the branch has not selected the other one.
     values[0] = -5.0
-    instance.instance.setContinuousStates(values, 1)
+    instance.fmu.setContinuousStates(values, 1)
     assert instance.get("v")[0] == pytest.approx(-15, abs=1e-6)
 
 

@@ -48,11 +48,9 @@ SUPPORTED = {
 
 
 @pytest.mark.parametrize("form", SUPPORTED)
-def test_a_function_has_the_value_of_its_closed_form(tmp_path, form):
+def test_a_function_has_the_value_of_its_closed_form(written, form):
     declarations, statements, call, expected = SUPPORTED[form]
-    file = tmp_path / "P.mo"
-    file.write_text(text_of(declarations, statements, call))
-    model = lower("P.M", file)
+    model = lower("P.M", written(text_of(declarations, statements, call)))
     assert model.output(0, model.initial([]), [], []).full().item() == pytest.approx(expected, rel=1e-14)
 
 
@@ -64,11 +62,11 @@ def text_of(declarations, statements, call):
     )
 
 
-def test_an_algorithm_that_is_not_supported_is_refused_at_its_line_not_at_that_of_a_function(tmp_path):
-    file = tmp_path / "P.mo"
-    file.write_text(
+def test_an_algorithm_that_is_not_supported_is_refused_at_its_line_not_at_that_of_a_function(written):
+    file = written(
         "package P\nfunction f\n input Real u;\n output Real y;\nalgorithm\n y := u;\nend f;\nmodel M\n"
-        " output Real y(start=2);\nalgorithm\n if time > 1 then\n  y := f(time);\n end if;\nend M;\nend P;\n"
+        " output Real y(start=2);\nalgorithm\n if time > 1 then\n  y := f(time);\n end if;\nend M;\nend P;\n",
+        "P.mo",
     )
     with pytest.raises(InputError) as refusal:
         read("P.M", file)

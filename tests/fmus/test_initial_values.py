@@ -133,13 +133,12 @@ def test_initial_equations_depend_on_fixed_values_that_the_importer_sets(modelic
     assert [v[-1] for v in values] == pytest.approx([17, 3], abs=1e-12)
 
 
-def test_an_assertion_of_an_initial_equation_is_checked_at_the_start_only(tmp_path):
+def test_an_assertion_of_an_initial_equation_is_checked_at_the_start_only(written):
     """Section 8.6; the state violates it later."""
-    file = tmp_path / "M.mo"
-    file.write_text(
+    file = written(
         "model M\n Real x(start=1, fixed=true);\ninitial equation // not in the equation below\n"
         ' assert(x > 0.5, "initial equation");\nequation\n der(x) = -3*x;\n assert(x > 0.3, "equation");\n'
-        'initial algorithm\n assert(x > 0.9, "initial algorithm");\nend M;\n'
+        'initial algorithm\n assert(x > 0.9, "initial algorithm");\nend M;\n',
     )
     system = explicit(read("M", file))
     assert {a.message[0] for a in system.checks("start")} == {"initial equation", "initial algorithm"}

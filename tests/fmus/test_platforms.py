@@ -17,8 +17,8 @@ import pytest
 from binaries import described
 from fmpy import simulate_fmu
 from fmpy.validation import validate_fmu
+from sampled_systems import sampled
 
-from railgrip.base.system import SampledSystem, Variable
 from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import FAST_BUILD, as_fmi_3, pack
 from railgrip.fmus.native.package import HEADERS as INCLUDED
@@ -38,18 +38,9 @@ FOLDERS = {
 def source(request):
     """Return the version of FMI and an FMU in C: y = x, the sum of u."""
     x, u = ca.SX.sym("x"), ca.SX.sym("u")
-    of = {
-        name: Variable(
-            name=name, unit="1", start=0.0, description=name
-        )
-        for name in ("x", "u", "y")
-    }  # fmt: skip
-    source = sources(
-        SampledSystem(
-            name="Sum", description="For tests", period=0.1, states=(of["x"],), inputs=(of["u"],), parameters=(),
-            outputs=(of["y"],), step=ca.Function("step", [x, u], [x + u, x + u]),
-        )
-    )  # fmt: skip
+    step = ca.Function("step", [x, u], [x + u, x + u])
+    rows = ([(name, "1", 0.0)] for name in ("x", "u", "y"))
+    source = sources(sampled(step, 0.1, **dict(zip(("states", "inputs", "outputs"), rows, strict=True))))
     return request.param, source if request.param == 2 else as_fmi_3(source)
 
 

@@ -35,11 +35,10 @@ def test_an_unsupported_construct_is_refused_with_its_line_and_the_command_for_o
     assert all(word.strip() in line for line in lines)
 
 
-def test_a_missing_file_or_class_is_reported(tmp_path):
+def test_a_missing_file_or_class_is_reported(tmp_path, written):
     with pytest.raises(InputError, match=r"no Modelica file .*Nowhere\.mo"):
         lower("M", tmp_path / "Nowhere.mo")
-    file = tmp_path / "Model.mo"
-    file.write_text("model M end M;")
+    file = written("model M end M;")
     with pytest.raises(InputError, match="Other does not compile"):
         lower("Other", file)
 
@@ -75,16 +74,13 @@ def test_an_error_in_a_library_is_reported_with_file_and_line(tmp_path, mistake)
     assert place in str(refusal.value)
 
 
-def test_missing_equations_are_counted(tmp_path):
-    file = tmp_path / "Model.mo"
-    file.write_text("model M Real x; Real y; equation x = 1; end M;")
+def test_missing_equations_are_counted(written):
     with pytest.raises(InputError, match="1 equations"):
-        lower("M", file)
+        lower("M", written("model M Real x; Real y; equation x = 1; end M;"))
 
 
-def test_a_class_with_events_is_not_a_plain_differential_equation(tmp_path):
-    file = tmp_path / "Model.mo"
-    file.write_text("model M Real x(start=1,fixed=true); equation der(x) = if x > 0.5 then -1 else -x; end M;")
+def test_a_class_with_events_is_not_a_plain_differential_equation(written):
+    file = written("model M Real x(start=1,fixed=true); equation der(x) = if x > 0.5 then -1 else -x; end M;")
     with pytest.raises(TranslationError, match="noEvent"):
         lower("M", file)
 
@@ -168,19 +164,17 @@ def test_files_and_links_that_are_no_classes_are_ignored(tmp_path, name):
 
 @pytest.mark.parametrize("link", ["Self", "S/Up", "S/T"])
 @pytest.mark.parametrize("is_other", [False, True])
-def test_a_link_to_a_folder_around_it_is_refused(tmp_path, link, is_other):
+def test_a_link_to_a_folder_around_it_is_refused(tmp_path, written, link, is_other):
     """In the library of the class, and in one that it uses."""
     library = write_library(tmp_path, {})
     (library / link).symlink_to({"Self": ".", "S/Up": "..", "S/T": "../S"}[link])
-    file = tmp_path / "M.mo"
-    file.write_text("model M extends Lib.S.C; Lib.S.T.C a; Lib.Self.B b; Lib.S.Up.B c; end M;")
+    file = written("model M extends Lib.S.C; Lib.S.T.C a; Lib.Self.B b; Lib.S.Up.B c; end M;")
     with pytest.raises(InputError, match=rf"Lib/{link}: the library contains the folder .* twice; remove the link"):
         read("M" if is_other else "Lib.S.C", file if is_other else library, others=[library] if is_other else ())
 
 
-def test_a_single_file_with_within_names_its_class(tmp_path):
-    file = tmp_path / "B.mo"
-    file.write_text(LIBRARY["B.mo"])
+def test_a_single_file_with_within_names_its_class(written):
+    file = written(LIBRARY["B.mo"], "B.mo")
     assert [v.name for v in lower("Lib.B", file).states] == ["x"]
     with pytest.raises(InputError, match=r"B\.mo:1: the file has `within Lib;`, so its class is Lib\.B"):
         lower("B", file)

@@ -141,23 +141,19 @@ end P;
 """
 
 
-def test_two_functions_of_one_name_are_not_confused(tmp_path):
+def test_two_functions_of_one_name_are_not_confused(written):
     """5.3: a name means the function that is found from the class outwards; rumoca 0.10 takes one for both."""
-    file = tmp_path / "P.mo"
-    file.write_text(TWO_FUNCTIONS.replace("CALL", "f").replace("IMPORTED", "f"))
     with pytest.raises(TranslationError, match=r"P\.mo:\d+: f is P\..\.f, but the built-in compiler takes P\..\.f"):
-        read("P.X", file)
+        read("P.X", written(TWO_FUNCTIONS.replace("CALL", "f").replace("IMPORTED", "f"), "P.mo"))
 
 
 @pytest.mark.parametrize(
     ("call", "imported", "value"),
     [("A.f", "B.f", -8), ("g", "g", 4), ("f", "P.B.f", -8), ("g", "f", -8), ("f", "h", -8)],
 )
-def test_two_functions_of_one_name_are_called_by_different_names(tmp_path, call, imported, value):
+def test_two_functions_of_one_name_are_called_by_different_names(written, call, imported, value):
     """At 1 s: |1 - 3| and 5*(1 - 3), or twice the first."""
-    file = tmp_path / "P.mo"
-    file.write_text(TWO_FUNCTIONS.replace("CALL", call).replace("IMPORTED", imported))
-    model = lower("P.X", file)
+    model = lower("P.X", written(TWO_FUNCTIONS.replace("CALL", call).replace("IMPORTED", imported)))
     assert model.output(1.0, [], [], []).full().item() == value
 
 

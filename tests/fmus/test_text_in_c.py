@@ -109,10 +109,9 @@ def test_the_fmu_with_such_texts_compiles_and_runs_no_constructor(stone: System,
     assert not crowed.exists()
 
 
-def test_a_trigraph_in_an_assertion_of_a_class_is_text(tmp_path: Path):
+def test_a_trigraph_in_an_assertion_of_a_class_is_text(written):
     """With trigraphs, `??/` before the closing quotation mark would turn the following text into code."""
-    file = tmp_path / "M.mo"
-    file.write_text(MODEL.replace("too fast, ", "too fast ??/").replace(' m/s")', ' m/s\\a\\v\\?\t")'))
+    file = written(MODEL.replace("too fast, ", "too fast ??/").replace(' m/s")', ' m/s\\a\\v\\?\t")'))
     system = explicit(read("M", file))
     assert system.assertions[0].message[0] == "too fast ??/"
     assert system.assertions[0].message[2] == " m/s\a\v?\t"
@@ -130,11 +129,9 @@ def test_c_generated_by_casadi_contains_no_variable_names(name: str):
     assert text(name) == text("x")
 
 
-def test_a_quoted_name_with_a_quotation_mark_is_refused(tmp_path: Path):
-    file = tmp_path / "M.mo"
-    file.write_text(re.sub(r"\bv\b", lambda _: "'v??/\"; int crow(void) { return 1; }'", MODEL))
+def test_a_quoted_name_with_a_quotation_mark_is_refused(written):
     with pytest.raises(TranslationError, match="a quoted name with a quotation mark"):
-        read("M", file)
+        read("M", written(re.sub(r"\bv\b", lambda _: "'v??/\"; int crow(void) { return 1; }'", MODEL)))
 
 
 def test_a_quoted_name_of_a_class_is_text(tmp_path: Path):
@@ -189,10 +186,9 @@ def test_the_name_of_the_library_is_an_identifier(name: str):
 
 
 @pytest.mark.parametrize("name", ["M'/../../x", "../x", "/tmp/x", "'q'", 'M");system("true', "M.", "", "Mö", "M\n"])
-def test_a_class_name_consists_of_plain_identifiers(tmp_path: Path, name: str):
+def test_a_class_name_consists_of_plain_identifiers(written, name: str):
     """It is part of file names and of the script that OpenModelica runs."""
-    file = tmp_path / "M.mo"
-    file.write_text(MODEL)
+    file = written(MODEL)
     with pytest.raises(InputError, match="is not the name of a Modelica class"):
         build_class(name, file, compiler="native")
     with pytest.raises(InputError, match="is not the name of a Modelica class"):

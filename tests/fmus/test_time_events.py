@@ -124,21 +124,6 @@ def test_each_event_schedules_the_next(modelica, interface):
     assert end["x"] == pytest.approx(0.05 * 1 + 0.15 * 2 + 0.25 * 3 + 0.35 * 4 + 0.1 * 5, abs=2e-5)
 
 
-@pytest.mark.parametrize("interface", INTERFACES)
-@pytest.mark.parametrize(
-    ("clause", "value"),
-    [("reinit(x, 5)", 4.75), ("reinit(x, 10*time)", 7.25), ("reinit(x, pre(x) + 1)", 2.0), ("reinit(x, -x)", 0.0)],
-)
-def test_a_state_alone_is_reinitialised_at_each_sample(modelica, interface, clause, value):
-    """x falls from 1 by 1 per second; MLS 3.6, 8.3.6. The last sample is at 0.75 s."""
-    fmu = modelica(
-        f"model M Real x(start=1,fixed=true); equation der(x) = -1; when sample(0.25, 0.5) then {clause};"
-        " end when; end M;"
-    )
-    # −x: 0.75 → −0.75 → −1.25 → 1.25 → 1.0
-    assert ends(fmu, interface)["x"] == pytest.approx(1.0 if clause == "reinit(x, -x)" else value, abs=1e-5)
-
-
 def test_functions_of_time_are_searched_in_a_model_without_states(modelica, run):
     """sin(20 t) > 0.5 holds from asin(0.5)/20 in each period of π/10 s; the location is accurate to 1e-10 s."""
     fmu = modelica(

@@ -11,7 +11,7 @@ import pytest
 import rumoca
 from fmpy.validation import validate_fmu
 from sampling import FUZZ
-from small_fmus import Fmu
+from small_fmus import Fmu, away_from_events, check_directional_derivatives, simulated
 from wrong import table
 
 from railgrip.base.registry import shelf
@@ -68,10 +68,7 @@ def reference(
     model = session().loads(text, model="Wrapped", filename="wrapped/Wrapped.mo")
     result = model.simulate((0, until), dt=STEP, config=rumoca.SimConfig(solver=solver, rtol=1e-9, atol=1e-10))
     time = np.asarray(result.time)
-    doubled = time[np.flatnonzero(np.diff(time) < 1e-9)]
-    keep = (np.abs(time - np.round(time / STEP) * STEP) < 1e-9) & np.array(
-        [np.all(np.abs(t - doubled) > 4e-4) for t in time]
-    )
+    keep = away_from_events(time, STEP, 4e-4)
     prefix = "inside."
     return time[keep], {
         n.removeprefix(prefix): np.asarray(result[n])[keep] for n in result.names if n.startswith(prefix)
@@ -112,7 +109,8 @@ def test_the_trajectory_is_that_of_rumoca(train, name, interface):
     fmu = train(name)
     inputs = {n: held(n) for n in fmu.names("input")}
     settings = {"relative_tolerance": 1e-9} if interface == "me" else {"start_values": {"_tolerance": 1e-8}}
-    found = simulated(fmu, interface, inputs, STOP, **settings)
+    kind = {"me": "ModelExchange", "cs": "CoSimulation"}[interface]
+    found = simulated(fmu.folder, inputs, fmu.names("output"), STOP, STEP, fmi_type=kind, **settings)
     # BDF restarts at every tick of the valves' clock; both solvers agree to 1e-8 there.
     solver = "rk-like" if name in ("TwoPartTrainPneumatic", "RollerRig") else "bdf"
     compare(fmu, found, *reference(BOOK[name].class_name, inputs, solver=solver))
@@ -122,28 +120,14 @@ def test_the_trajectory_is_that_of_rumoca_through_lock_and_standstill(train):
     """From 3 m/s on a poor rail: the wheelsets lock one after the other, and the train stops after six seconds."""
     fmu = train("TwoPartTrain")
     inputs = {n: held(n, HELD | {"pressure_command": 2.0e5, "mu0": 0.05}) for n in fmu.names("input")}
-    found = simulated(fmu, "cs", inputs, 8.0, start_values={"_tolerance": 1e-8, "start_speed": 3.0})
+    start = {"_tolerance": 1e-8, "start_speed": 3.0}
+    found = simulated(fmu.folder, inputs, fmu.names("output"), 8.0, STEP, fmi_type="CoSimulation", start_values=start)
     for group in range(1, 5):
         locked = found[f"locked[{group}]"] > 0.5
         assert not locked[1]
         assert locked[-1]
     assert 5.0 < found["time"][np.argmax(found["speed"] == 0.0)] < 7.0
     compare(fmu, found, *reference(BOOK["TwoPartTrain"].class_name, inputs, 8.0, ", start_speed=3.0"))
-
-
-def simulated(fmu: Fmu, interface: str, inputs: Mapping[str, float], until: float, **settings) -> np.ndarray:
-    signals = np.array(
-        [(t, *inputs.values()) for t in (0.0, until)], dtype=[("time", float), *((n, float) for n in inputs)]
-    )
-    return fmpy.simulate_fmu(
-        str(fmu.folder),
-        stop_time=until,
-        input=signals,
-        output=fmu.names("output"),
-        output_interval=STEP,
-        fmi_type={"me": "ModelExchange", "cs": "CoSimulation"}[interface],
-        **settings,
-    )
 
 
 def compare(fmu: Fmu, found: np.ndarray, time: np.ndarray, expected: Mapping[str, np.ndarray]) -> None:
@@ -167,18 +151,7 @@ def test_the_jacobian_of_a_prediction_is_its_central_difference(train, run, name
     apart = {n: x * (0.99 if n.startswith("w") else 1) for n, x in values.items()}
     instance.set(**{n: x if abs(x) >= 1e-3 else 1e-3 for n, x in apart.items()})
     unknown = [f"der({n})" for n in states] + fmu.names("output", "Real")
-    references = [fmu.reference(n) for n in unknown]
-    for n in states + inputs:
-        (x,) = instance.get(n)
-        h = 1e-6 * max(abs(x), 1e-3)
-        sides = []
-        for shifted in (x + h, x - h):
-            instance.set(**{n: shifted})
-            sides.append(np.array(instance.get(*unknown)))
-        instance.set(**{n: x})
-        given = np.array(instance.instance.getDirectionalDerivative(references, [fmu.reference(n)], [1.0]))
-        rounding = 1e-9 * np.maximum(np.abs(sides[0]), 1) / h * 1e-6
-        assert given == pytest.approx((sides[0] - sides[1]) / (2 * h), rel=1e-5, abs=1e-5 + np.max(rounding)), n
+    check_directional_derivatives(instance, unknown, states + inputs, least=1e-3, rounding=1e-15)
 
 
 @pytest.mark.parametrize("name", BOOK.recipes)

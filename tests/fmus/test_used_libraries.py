@@ -134,16 +134,6 @@ def test_a_version_is_accepted_that_needs_no_conversion(shelf: Path, tmp_path: P
         rate_of(train(tmp_path, 'Other(version="9")'))
 
 
-def test_several_libraries_may_be_named_in_any_order(shelf: Path, tmp_path: Path) -> None:
-    rate_library(shelf, 1)
-    rate_library(tmp_path / "here", 4)
-    mine, other = train(tmp_path), tmp_path / "here" / "Other"
-    paths = {build_class("Mine.Train", named, compiler="native").path for named in ([mine, other], [other, mine])}
-    assert len(paths) == 1
-    text = read("Mine.Train", mine, others=[other])
-    assert any(b"= 4" in content for _, content in text.sources.values())
-
-
 def test_openmodelica_loads_the_libraries_that_were_found(shelf: Path, tmp_path: Path) -> None:
     rate_library(shelf, 1, "1.0.0")
     mine = train(tmp_path)
