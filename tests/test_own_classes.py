@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_api import rolling
 from wrong import table
 
 import railgrip as rg
@@ -76,34 +77,21 @@ class Exact:
         return {name: truth[name] for name in names} | {"speed": self.factor * truth["speed"]}
 
 
-class Rolling:
-    """A plant whose wheels only roll: dv/dt = −full · (p/p_max)."""
+class Rolling(rolling()):
+    """The plant of the page, with a share of the pressure in its cylinders."""
 
     def __init__(self, full=1.0):
         self.full = full
 
-    def start(self, formation, speed, period):
-        self.formation, self.period, self.v, self.s = formation, period, speed, 0.0
-        return self.shown(0.0, np.zeros(formation.groups))
-
     def step(self, inputs):
-        p = inputs["pressure_command"]
-        a = -min(self.full * float(np.mean(p / self.formation.pressure_max)), 9.81 * float(np.mean(inputs["mu0"])))
-        self.v += self.period * a
-        self.s += self.period * self.v
-        return self.shown(a, p)
-
-    def shown(self, a, p):
-        wheels = self.v / self.formation.wheel_radius
-        moving = {"distance": self.s, "speed": self.v, "acceleration": a}
-        return moving | {"wheelset_speed": wheels, "cylinder_pressure": p}
+        return super().step(inputs | {"pressure_command": self.full * inputs["pressure_command"]})
 
 
 class Absolute(Rolling):
     """The same, whose cylinder pressures include that of the air."""
 
-    def shown(self, a, p):
-        return super().shown(a, p) | {"cylinder_pressure": p + 1.013e5}
+    def shown(self, a):
+        return super().shown(a) | {"cylinder_pressure": self.p + 1.013e5}
 
 
 def test_absolute_pressures_of_a_plant_are_refused(scenario):
@@ -148,10 +136,6 @@ def test_an_unknown_parameter_and_one_of_an_object_are_refused_before_anything_r
             rg.sweep(whole, {key: [1]}, **{name: kind})
 
 
-def test_other_parameters_are_swept_as_before(scenario):
-    rg.sweep(scenario, {"controller.shared_valve": ["mean"], "estimator.kind": ["none"]}, controller=Hold)
-
-
 def test_an_object_that_cannot_be_copied_is_refused(scenario):
     held = Hold()
     held.file = (n for n in ())
@@ -191,25 +175,22 @@ def test_the_class_and_its_methods_are_checked_before_any_call(scenario, tmp_pat
     assert not (tmp_path / "called").exists()
 
 
-def test_an_entry_point_of_an_installed_package_requires_no_folder(scenario, tmp_path, laws, monkeypatch):
+def test_an_entry_point_of_an_installed_package_requires_no_folder(scenario, tmp_path, laws, monkeypatch, request):
     package = tmp_path / "mine-1.0.dist-info"
     package.mkdir()
     (package / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
     (package / "entry_points.txt").write_text(f"[railgrip.controllers]\nmine = {laws}:Hold\n")
     monkeypatch.syspath_prepend(tmp_path)
-    for here, good in ((tmp_path, False), (Path(__file__).parent, True)):  # the current folder is not installed
-        monkeypatch.chdir(here)
-        registry.installed_names.cache_clear()
-        try:
-            if good:
-                stop = rg.run(scenario.changed({"controller.kind": "mine"}))
-                assert stop.classes["controller"]["class"] == f"{laws}:Hold"
-                rg.run(scenario.changed({"controller.kind": f"{laws}:Hold"}))
-            else:
-                with pytest.raises(ScenarioError, match="kind is 'mine'; there is"):
-                    scenario.changed({"controller.kind": "mine"})
-        finally:
-            registry.installed_names.cache_clear()
+    request.addfinalizer(registry.installed_names.cache_clear)
+    registry.installed_names.cache_clear()
+    monkeypatch.chdir(tmp_path)  # the current folder is not installed
+    with pytest.raises(ScenarioError, match="kind is 'mine'; there is"):
+        scenario.changed({"controller.kind": "mine"})
+    registry.installed_names.cache_clear()
+    monkeypatch.chdir(Path(__file__).parent)
+    stop = rg.run(scenario.changed({"controller.kind": "mine"}))
+    assert stop.classes["controller"]["class"] == f"{laws}:Hold"
+    rg.run(scenario.changed({"controller.kind": f"{laws}:Hold"}))
 
 
 def test_an_exit_in_a_part_is_its_failure(scenario, tmp_path, laws):
@@ -257,13 +238,6 @@ def test_commands_import_from_the_folders_on_their_command_line(name, laws, tmp_
     assert not (tmp_path / "imported").exists()
     command(*arguments, "--import-from", ".")
     assert (tmp_path / "imported").exists()
-
-
-def test_every_command_that_runs_scenarios_accepts_folders(command):
-    studies = ("study type_test", "study k_factors")
-    tools = ("tools conditioning", "tools tune")
-    for words in ("run", "campaign", "estimate", "observability", "maintain regress", *studies, *tools):
-        assert "--import-from" in command(*words.split(), "--help").out, words
 
 
 # Values in a wrong unit, and out of range
