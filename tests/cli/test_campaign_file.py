@@ -88,12 +88,6 @@ def test_a_drawn_scenario_equals_the_file_with_that_seed(project):
     assert drawn.scenario.digest() == written.scenario.digest()
 
 
-def test_a_missing_scenario_of_a_campaign_is_named(project):
-    (project / "wet.toml").unlink()
-    with pytest.raises(ScenarioError, match=r"wet\.toml: there is no such file"):
-        campaign(project, "")
-
-
 @pytest.mark.usefixtures("in_process")
 def test_selected_stops_are_repeated_and_the_others_kept(railgrip, project):
     text = (project / "pair.toml").read_text(encoding="utf-8")
@@ -111,15 +105,12 @@ def test_selected_stops_are_repeated_and_the_others_kept(railgrip, project):
 
 
 MANY = {
-    "1e9 combinations": ["[axes]"] + [f"a{n}.v{m} = {{}}" for n in range(9) for m in range(10)],
     "1e10 combinations, all excluded": [
         *("[axes]", *(f"a{n}.v{m} = {{}}" for n in range(10) for m in range(10))),
         "[[exclude]]",
     ],
     "10^300 combinations": ["[axes]"] + [f"a{n}.v{m} = {{}}" for n in range(300) for m in range(10)],
     "a sweep of 2e5 values": [f'[sweep]\n"start.speed" = {list(range(200_000))}'],
-    "1e6 draws": ["[draws]\nfirst = 1\nlast = 1_000_000"],
-    "1e12 draws": ["[draws]\nfirst = 1\nlast = 1_000_000_000_000"],
     "draws up to the largest seed": [f"[draws]\nfirst = 0\nlast = {2**63 - 1}"],
     "1e3 combinations of 1e3 draws": [
         *("[draws]\nfirst = 1\nlast = 1000", "[axes]"),

@@ -1,28 +1,15 @@
-"""Commands are imported only when called, have one name each, and print as much as requested."""
+"""Global options and completion work everywhere, and commands print as much as requested."""
 
 import logging
 import os
 import subprocess
 import sys
 import threading
-from dataclasses import replace
-from importlib.metadata import version
 
 import pytest
 from test_console import HEAVY
-from typer.main import get_command
 
-import railgrip as rg
-from railgrip.campaign import run as runs
-from railgrip.cli.app import Command, Commands, app, maintain
 from railgrip.report import console
-
-
-def commands(group: Commands, *prefix: str) -> dict[tuple[str, ...], Command]:
-    return {(*prefix, name): one for section in group.sections.values() for name, one in section.items()}
-
-
-ALL = commands(get_command(app)) | commands(get_command(maintain), "maintain")
 
 
 @pytest.fixture(autouse=True)
@@ -32,23 +19,6 @@ def _as_before():
     level = log.level
     yield
     log.setLevel(level)
-
-
-@pytest.mark.parametrize("path", ALL, ids=" ".join)
-def test_the_help_of_a_command_begins_with_its_summary(path, command):
-    loaded = ALL[path].load(path[-1])
-    assert " ".join(loaded.help.split()).startswith(ALL[path].summary)
-    output = command(*path, "--help")
-    assert output.code == 0
-    assert "Usage:" in output.out
-    assert "--quiet" in output.out
-    assert "harness/" not in output.out
-
-
-def test_commands_for_users_are_listed_before_those_for_maintainers():
-    names = [path[0] for path in ALL if len(path) == 1]
-    assert names[0] == "run"
-    assert names[-1] == "maintain"
 
 
 @pytest.mark.parametrize("place", [0, 1, 2, 3], ids=str)
@@ -106,12 +76,6 @@ def test_bash_gets_its_completion(option, text, tmp_path):
     assert (done.returncode, text in done.stdout) == (0, True), done.stderr
 
 
-def test_the_version_is_that_of_the_package(railgrip):
-    assert rg.__version__ == version("railgrip")
-    result = railgrip("--version")
-    assert (result.code, result.out) == (0, f"railgrip {rg.__version__}\n")
-
-
 @pytest.mark.parametrize(("option", "quiet"), [((), False), (("--quiet",), True)])
 def test_quiet_prints_results_and_errors_only(railgrip, capfd, option, quiet):
     result = railgrip(*option, "run", "wet.toml", "--set", "description=slide", "--out", "here")
@@ -129,16 +93,3 @@ def test_verbose_prints_debugging_messages(railgrip, capfd, option, printed):
     railgrip(*option, "report", "nowhere")
     logging.getLogger("railgrip.fmus").debug("a message")
     assert ("a message" in capfd.readouterr().err) is printed
-
-
-@pytest.mark.parametrize("tool", ["OpenModelica Compiler v1.27.0", "railgrip (rumoca 0.10)"])
-def test_run_names_the_compiler_of_its_fmus_if_it_is_not_the_built_in_one(railgrip, monkeypatch, tmp_path, tool):
-    simulate = runs.run
-
-    def run(*arguments):
-        stop = simulate(*arguments)
-        return replace(stop, versions={**stop.versions, "TwoPartTrain.fmu": tool})
-
-    monkeypatch.setattr(runs, "run", run)
-    output = railgrip("run", "plain", "--out", str(tmp_path / "out"))
-    assert (f"plain: FMUs by {tool}: TwoPartTrain.fmu." in output.out) == tool.startswith("OpenModelica")

@@ -24,14 +24,6 @@ def test_list_prints_every_name_of_every_kind_with_a_description(railgrip):
         assert sorted(listed[kind]) == sorted(path.stem for path in (package / folder).glob("*.toml"))
 
 
-@pytest.mark.parametrize("kind", registry.SECTIONS)
-def test_list_of_one_kind_is_a_table(railgrip, kind):
-    result = railgrip("list", kind)
-    lines = [line.split() for line in result.out.splitlines()]
-    assert lines[0] == [kind.capitalize()]
-    assert {line[0] for line in lines} >= LIST[kind].keys()
-
-
 def test_an_installed_part_is_listed(railgrip, tmp_path_factory, monkeypatch):
     folder = tmp_path_factory.mktemp("site")
     package = folder / "mine-1.0.dist-info"

@@ -1,8 +1,5 @@
 """Finished stops with a user's class are kept while all that the class consists of and reads is as it was."""
 
-import os
-import signal
-import time
 from pathlib import Path
 
 import pytest
@@ -76,29 +73,3 @@ def test_a_result_of_another_package_or_from_another_folder_is_not_kept(folder, 
     assert find_result(stop, folder / "out", [folder / "first"]) is None
     monkeypatch.setattr("railgrip.simulate.user_files.metadata.version", lambda name: "0")
     assert find_result(stop, folder / "out", [folder]) is None
-
-
-@pytest.mark.skipif(os.name != "posix", reason="signals are POSIX")
-def test_an_interrupted_campaign_goes_on_where_it_was(program, folder):
-    keys = "".join(f'{key} = "{value}"\n' for key, value in SHORT.items())
-    (folder / "two.toml").write_text(
-        f'name = "two"\nscenarios = ["trapezoid"]\n[axes.controller.first]\n{keys}'
-        f'controller.kind = "kept_law:Hold"\n[axes.controller.second]\n{keys}'
-        f'controller = {{ kind = "kept_law:Hold", parameters = {{ wait = "{folder / "go"}" }} }}\n'
-    )
-    first, second = (folder / "two" / f"trapezoid-{name}" / "stop.json" for name in ("first", "second"))
-
-    words = ("-m", "railgrip", "campaign", "two.toml", "--out", "two", "--panels", "none", "--workers", "1")
-    path = os.pathsep.join((str(ROOT), str(folder)))
-    process = program(folder, *words, "--import-from", ".", PYTHONPATH=path)
-    while not first.exists():
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.05)
-    os.killpg(process.pid, signal.SIGINT)
-    assert "Interrupted; what had finished is kept." in process.communicate()[1]
-    assert not second.exists()
-    (folder / "go").touch()
-    written = first.stat().st_mtime_ns
-    program(folder, *words, "--import-from", ".", PYTHONPATH=path).communicate()
-    assert second.exists()
-    assert first.stat().st_mtime_ns == written

@@ -17,7 +17,7 @@ from railgrip.base.errors import EstimationError, InputError
 from railgrip.campaign.run import input_versions, sources_digest, studies_used
 from railgrip.campaign.work import work
 from railgrip.scenario.load import load
-from railgrip.studies import bench, names, summary
+from railgrip.studies import bench, names
 from railgrip.studies.bench import answer
 from railgrip.studies.study import Study, study_named
 
@@ -98,18 +98,6 @@ def test_a_case_that_fails_ends_the_study_and_is_not_cached(study_work):
         with pytest.raises(EstimationError, match="nobody knows"):
             study_work.map(counted, [Case(-1.0)])
     assert study_work.run_count == 0
-
-
-def test_studies_are_listed_with_a_summary(command):
-    output = command("study")
-    assert output.code == 0
-    for name in names():
-        assert f"{name} {summary(name)}" in " ".join(output.out.split())
-
-
-def test_every_study_is_named_after_its_module():
-    for name in names():
-        assert study_named(name).__module__ in (f"railgrip.studies.{name}", f"railgrip.studies.{name}.{name}_study")
 
 
 @pytest.mark.parametrize("name", names())
