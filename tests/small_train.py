@@ -4,7 +4,11 @@ An FMU takes two seconds to build, and half a second more for each wheelset: a t
 """
 
 import re
+import tomllib
 from pathlib import Path
+from typing import Any
+
+from synthetic import MOTOR
 
 from railgrip import cli
 
@@ -16,3 +20,18 @@ def one_bogie(name: str = "small") -> str:
     text = BEGINNING[: BEGINNING.rindex("[[cars]]")].replace("NAME", name).replace('mass = "44 t"', 'mass = "22 t"')
     text = re.sub(r'^coupler = "bar".*\n', "", text, flags=re.MULTILINE)
     return text.replace(', { kind = "trailer", at = "20.5 m" }', "")
+
+
+def electric_tables(**motor: object) -> dict[str, Any]:
+    """Return the tables of the beginning with a motor under each car and pads of constant friction.
+
+    Keys of the motor differ from those of `MOTOR` where they are given.
+    """
+    tables = tomllib.loads(BEGINNING.replace("NAME", "electric"))
+    for effect in ("speed_effect", "force_effect", "temperature_effect"):
+        tables["pads"]["organic"][effect] = 0.0
+    tables["bogies"]["motor"] = tables["bogies"]["trailer"] | {"dynamic_brake": "motor"}
+    tables["dynamic_brakes"] = {"motor": MOTOR | motor}
+    for car in tables["cars"]:
+        car["bogies"][0]["kind"] = "motor"
+    return tables

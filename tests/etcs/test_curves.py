@@ -135,18 +135,3 @@ def test_a_brake_that_does_not_hold_the_train_on_a_gradient_is_refused():
     )
     with pytest.raises(InputError, match=r"train, SBD of EoA: .* at 19\d\d\d m: its deceleration at 108.0 km/h is -0"):
         service_curve(case, case.line.target[0])
-
-
-def test_the_foot_of_a_curve_follows_a_gradient_behind_the_target():
-    """OSRD shifted such curves instead (OpenRailAssociation/osrd#10430)."""
-    case = case_of(train_data(), ("LoA", FAR, 60), gradient=[{"begin": FAR + 5, "slope": -0.03}])
-    squares = (67.5**2 - 60**2) / 3.6**2 - 2 * 1.0 * 5
-    foot = FAR + 5 + squares / 2 / (1.0 - 0.03 * 9.81 / 1.02)
-    assert emergency_curve(case, case.line.target[0]).locations[-1] == pytest.approx(foot)
-
-
-def test_curves_continue_in_front_of_the_first_location():
-    case = case_of(train_data(), ("LoA", 5, 60), gradient=[{"begin": 0, "slope": -0.02}])
-    curve = emergency_curve(case, case.line.target[0])
-    at_start = (67.5 / 3.6) ** 2 + 2 * (1 - 0.02 * 9.81 / 1.02) * 5
-    assert float(curve.location(30.0)) == pytest.approx(-(30.0**2 - at_start) / 2)

@@ -40,15 +40,6 @@ def test_odometry_reads_too_little_as_in_subset_041():
     assert 3.6 * fixed.under_reading(np.array([0, 30, 265, 500]) / 3.6) == pytest.approx([2, 2, 7, 12])
 
 
-def test_limits_of_a_constant_deceleration_are_those_worked_out_by_hand():
-    """T_be 5 s, T_bs 5 s, no traction; A_safe 1 m/s2."""
-    at = limits(train_data())
-    faster = SPEED + float(fixed.under_reading(SPEED))
-    ebi = FAR - faster**2 / 2 - faster * 5
-    expected = [FAR - SPEED**2 / 2, ebi, ebi - 250, ebi - 350, ebi - 450, ebi - 450 - 9 * SPEED]
-    assert [float(at[name]) for name in ("EBD", "EBI", "SBI2", "W", "P", "I")] == pytest.approx(expected)
-
-
 def test_traction_that_lasts_moves_the_intervention():
     """T_traction = 12 − (2 + 5) = 5 s; A_est 1 m/s2 counts fully then, and 0.4 at most afterwards (T_be 8 s)."""
     data = train_data(traction_cut_off_time=12, emergency_time=8)
@@ -101,11 +92,12 @@ def test_guidance_to_a_speed_ends_where_the_permitted_speed_reaches_it():
     assert float(at["GUI"]) == pytest.approx(float(without["P"]))
 
 
-def authority(release, svl=500, **more):
+def authority(release, *restrictions, svl=500, **more):
     return case_of(
         percent_data(135, "passenger P", 250, 160),
         ("EoA", 5000, 0),
         ("SvL", 5000 + svl, 0),
+        *restrictions,
         release=release,
         **({"balise": 4000} if release == "calculated" else {}),
         **more,
@@ -132,18 +124,13 @@ def test_release_speeds_come_from_where_the_line_says():
     assert release_speed(authority("given", release_speed=5.0)) == 5.0
     assert release_speed(authority("given", release_speed=39.0, speed=30.0)) == 30.0
     assert release_speed(authority("calculated", svl=100)) is None  # the trip location is behind the SvL
-    before = ("EoA", 5000, 0), ("SvL", 5500, 0), ("MRSP", 4000, 30)
-    case = case_of(percent_data(135, "passenger P", 250, 160), *before, release="national")
-    assert release_speed(case) == pytest.approx(30 / 3.6)  # SUBSET-026 3.13.9.4.9
+    # SUBSET-026 3.13.9.4.9
+    assert release_speed(authority("national", ("MRSP", 4000, 30))) == pytest.approx(30 / 3.6)
 
 
 def test_a_restriction_between_trip_location_and_supervised_location_lowers_the_release_speed():
     free = release_speed(authority("calculated", svl=800))
-    case = case_of(
-        percent_data(135, "passenger P", 250, 160), ("EoA", 5000, 0), ("SvL", 5800, 0), ("MRSP", 5300, 20),
-        release="calculated", balise=4000,
-    )  # fmt: skip
-    speed = release_speed(case)
+    speed = release_speed(authority("calculated", ("MRSP", 5300, 20), svl=800))
     assert free is not None
     assert speed is not None
     assert 20 / 3.6 <= speed < free

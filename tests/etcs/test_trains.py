@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.stats import binom, norm
-from synthetic import MOTOR, POSITION_R
+from small_train import electric_tables
+from synthetic import POSITION_R
 
-from railgrip import cli
 from railgrip.base.errors import InputError
 from railgrip.base.registry import shelf
 from railgrip.rolling_stock import schema
@@ -121,17 +121,9 @@ def electric_train(*, blending, force):
 
     No running resistance, and pads of constant friction: closed forms have the forces of the brakes alone.
     """
-    text = (Path(cli.__file__).parent / "templates" / "train.toml").read_text(encoding="utf-8")
-    tables = tomllib.loads(text.replace("NAME", "electric"))
-    for effect in ("speed_effect", "force_effect", "temperature_effect"):
-        tables["pads"]["organic"][effect] = 0.0
+    tables = electric_tables(force=force, power="10 MW", blending=blending, speed_full="1 km/h", speed_end=0)
     del tables["resistance"]
     tables["davis"] = {"constant": 0, "linear": 0, "quadratic": 0, "estimated": True}
-    motor = MOTOR | {"force": force, "power": "10 MW", "blending": blending, "speed_full": "1 km/h", "speed_end": 0}
-    tables["dynamic_brakes"] = {"motor": motor}
-    tables["bogies"]["motor"] = tables["bogies"]["trailer"] | {"dynamic_brake": "motor"}
-    for car in tables["cars"]:
-        car["bogies"][0]["kind"] = "motor"
     return train_of(tables, "electric.toml")
 
 

@@ -2,15 +2,12 @@
 
 import tomllib
 from dataclasses import astuple
-from pathlib import Path
 
 import pytest
+from small_train import BEGINNING
 from synthetic import POSITION_R
 
-from railgrip import cli
 from railgrip.rolling_stock.schema import train_of
-
-BEGINNING = Path(cli.__file__).parent / "templates" / "train.toml"
 
 
 @pytest.fixture
@@ -23,7 +20,7 @@ def railgrip(tmp_path, monkeypatch, command):
 @pytest.fixture
 def tables():
     """The tables of a train file."""
-    return tomllib.loads(BEGINNING.read_text(encoding="utf-8").replace("NAME", "ours"))
+    return tomllib.loads(BEGINNING.replace("NAME", "ours"))
 
 
 @pytest.fixture

@@ -260,13 +260,18 @@ def test_friction_effects_of_pads_and_the_mean_over_the_distance_agree():
     assert falling.forces / plain.forces == pytest.approx(1 + 0.2 * (1 - 2 / 3 * 30 * ratio / 20), rel=1e-9)
 
 
-def shunting(position, *, inshot=True):
-    """The train of RailProfAC/ShuntingBrakingCurves in a position."""
+def shunting_tables(position):
+    """The tables of the train of RailProfAC/ShuntingBrakingCurves in a position."""
     tables = tomllib.loads((TRAINS / "shunting_train.toml").read_text(encoding="utf-8"))
     if position == "P":
         for car in tables["cars"]:
             del car["distributor"]
-    elif not inshot:
+    return tables
+
+
+def shunting(position, *, inshot=True):
+    tables = shunting_tables(position)
+    if not inshot:
         tables["distributors"]["G"] |= {"inshot": 0, "fill_time": 0.95 * 24}
     return train_of(tables, "shunting.toml")
 
@@ -385,10 +390,7 @@ def drawn(position, *, counted=1):
 
     With `counted` 2 the force of the locomotive also acts at once, as the source has it.
     """
-    tables = tomllib.loads((TRAINS / "shunting_train.toml").read_text(encoding="utf-8"))
-    if position == "P":
-        for car in tables["cars"]:
-            del car["distributor"]
+    tables = shunting_tables(position)
     tables["davis"]["constant"] = f"{7063 + (counted - 1) * 45580} N"
     deviations = {
         "pressure": "5 kPa",

@@ -1,14 +1,14 @@
 """Electrodynamic, eddy-current and parking brakes of train files, against closed forms and numerical integrals."""
 
 import json
-import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from small_train import electric_tables
 from synthetic import MOTOR
 from typer.testing import CliRunner
+from wrong import REMOVED, change
 
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.registry import DYNAMIC_BRAKES, modules, shelf
@@ -19,10 +19,8 @@ from railgrip.rolling_stock.calculation_page import calculation_page
 from railgrip.rolling_stock.check import findings
 from railgrip.rolling_stock.dynamic_brakes.eddy_current_rail import EddyCurrentRail
 from railgrip.rolling_stock.dynamic_brakes.electrodynamic import Electrodynamic
-from railgrip.rolling_stock.modelica import class_text
 from railgrip.rolling_stock.schema import Train, load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand, developed_forces, response_times
-from railgrip.rolling_stock.tables import sentence_of_equipment, table_of_axles
 from railgrip.scenario.file import NamedFile
 from railgrip.supervision.trains import maximum_speed
 
@@ -32,19 +30,12 @@ RAIL = {
 }  # fmt: skip
 DISC = RAIL | {"kind": "eddy_current_axle", "force": "5 kN", "blending": "added", "slide_limit": 0.1}
 SPEED = 120 / 3.6
-DYNAMIC, BOGIE = ("dynamic_brakes", "motor"), ("bogies", "motor")
 
 
 @pytest.fixture
-def electric(tables):
+def electric():
     """A train with a motor bogie under each car and pads of constant friction."""
-    for effect in ("speed_effect", "force_effect", "temperature_effect"):
-        tables["pads"]["organic"][effect] = 0.0
-    tables["bogies"]["motor"] = tables["bogies"]["trailer"] | {"dynamic_brake": "motor"}
-    tables["dynamic_brakes"] = {"motor": dict(MOTOR)}
-    for car in tables["cars"]:
-        car["bogies"][0]["kind"] = "motor"
-    return tables
+    return electric_tables()
 
 
 def with_brake(tables, **keys):
@@ -162,53 +153,33 @@ def test_a_rotating_eddy_current_brake_needs_adhesion(electric):
     assert driven[2] <= plain[2] * (1 + 1e-6)
 
 
-def set_to(table, name, **keys):
-    """Return the change of keys of one entry of a table; None removes a key."""
-
-    def change(tables):
-        kept = {key: value for key, value in (tables[table][name] | keys).items() if value is not None}
-        tables[table][name] = kept
-
-    return change
-
-
-def other_blending(tables):
-    tables["dynamic_brakes"]["other"] = MOTOR | {"blending": "train"}
-    tables["bogies"]["trailer"]["dynamic_brake"] = "other"
-
-
-def unlike_bogies(tables):
-    tables["brakes"]["other"] = tables["brakes"]["disc"] | {"pressure_max": "2 bar"}
-    tables["bogies"]["trailer"] |= {"brake": "other", "valve": "car"}
-    tables["bogies"]["motor"]["valve"] = "car"
-
-
 @pytest.mark.parametrize(
-    ("change", "sentence"),
+    ("changes", "sentence"),
     [
-        (
-            set_to(*DYNAMIC, speed_end="12 km/h"),
-            "dynamic_brakes.* speed_end 12 km/h and speed_full 10 km/h; speed_end must be",
-        ),
-        (set_to(*DYNAMIC, power=None), r"dynamic_brakes.* has no 'power'"),
-        (set_to(*DYNAMIC, kind="eddy_current_axle", power=None), "dynamic_brakes.*speed_peak"),
-        (set_to(*DYNAMIC, blending="car"), "dynamic_brakes.* blending"),
-        (set_to(*DYNAMIC, force="2 MN"), "dynamic_brakes.* at most 200000 N"),
-        (set_to(*DYNAMIC, kind="retarder"), "dynamic_brakes.* hydrodynamic"),
-        (
-            set_to(*BOGIE, dynamic_brake="motr"),
-            r"names 'motr', which is not in \[dynamic_brakes\]; it has motor; .*motor",
-        ),
-        (set_to(*BOGIE, dynamic_units=[1, 1, 1]), "has 2 axles and 3 dynamic_units"),
-        (set_to(*BOGIE, dynamic_units=[0, 0]), "only zeros"),
-        (set_to(*BOGIE, parking_units=[2]), "parking_units needs parking_brake"),
-        (lambda tables: tables.pop("command"), r"blending needs a \[command\]"),
-        (other_blending, "blending 'valve' and 'train'"),
-        (unlike_bogies, "share a brake valve, but have different brake"),
+        ({"dynamic_brakes.motor.speed_end": "12 km/h"},
+         "dynamic_brakes.* speed_end 12 km/h and speed_full 10 km/h; speed_end must be"),
+        ({"dynamic_brakes.motor.power": REMOVED}, r"dynamic_brakes.* has no 'power'"),
+        ({"dynamic_brakes.motor.kind": "eddy_current_axle", "dynamic_brakes.motor.power": REMOVED},
+         "dynamic_brakes.*speed_peak"),
+        ({"dynamic_brakes.motor.blending": "car"}, "dynamic_brakes.* blending"),
+        ({"dynamic_brakes.motor.force": "2 MN"}, "dynamic_brakes.* at most 200000 N"),
+        ({"dynamic_brakes.motor.kind": "retarder"}, "dynamic_brakes.* hydrodynamic"),
+        ({"bogies.motor.dynamic_brake": "motr"},
+         r"names 'motr', which is not in \[dynamic_brakes\]; it has motor; .*motor"),
+        ({"bogies.motor.dynamic_units": [1, 1, 1]}, "has 2 axles and 3 dynamic_units"),
+        ({"bogies.motor.dynamic_units": [0, 0]}, "only zeros"),
+        ({"bogies.motor.parking_units": [2]}, "parking_units needs parking_brake"),
+        ({"command": REMOVED}, r"blending needs a \[command\]"),
+        ({"dynamic_brakes.other": MOTOR | {"blending": "train"}, "bogies.trailer.dynamic_brake": "other"},
+         "blending 'valve' and 'train'"),
+        ({"bogies.trailer.brake": "other", "bogies.trailer.valve": "car", "bogies.motor.valve": "car"},
+         "share a brake valve, but have different brake"),
     ],
-)
-def test_a_contradiction_is_refused(electric, change, sentence):
-    change(electric)
+)  # fmt: skip
+def test_a_contradiction_is_refused(electric, changes, sentence):
+    electric["brakes"]["other"] = electric["brakes"]["disc"] | {"pressure_max": "2 bar"}
+    for place, value in changes.items():
+        change(electric, place, value)
     with pytest.raises(ScenarioError, match=sentence):
         train_of(electric, "electric")
 
@@ -245,49 +216,20 @@ def test_a_train_without_parking_brake_holds_nothing(train):
     assert held.adhesion == np.inf
 
 
-def electric_file(folder):
-    """Write the file of a train with a motor in each bogie, and return its path."""
-    lines = "\n".join(f"{key} = {json.dumps(value)}" for key, value in MOTOR.items())
-    text = (Path(__file__).parents[2] / "harness/cli/templates/train.toml").read_text(encoding="utf-8")
-    text = text.replace("NAME", "ours").replace("[couplers.bar]", f"[dynamic_brakes.motor]\n{lines}\n[couplers.bar]")
-    file = folder / "ours.toml"
-    file.write_text(text.replace("coupled = false", 'coupled = false\ndynamic_brake = "motor"'), encoding="utf-8")
-    return file
-
-
-def test_commands_name_the_brakes(electric, tmp_path):
-    train = with_brake(electric)
-    assert "motor on 2 bogies: electrodynamic, 12 kN up to or at 60 km/h, off at 4 km/h" in sentence_of_equipment(train)
-    column = [row.get("dynamic brake") for row in table_of_axles(train).rows]
-    assert column == ["motor", "motor", None, None] * 2
-    rows = table_of_axles(load_train(shelf("trains")["ice3"])).rows[2:6]
-    assert [(row["dynamic brake"], row["on the rail"]) for row in rows] == [
-        ("motor", None), ("motor", None), (None, "magnets"), (None, None)
-    ]  # fmt: skip
-    file = electric_file(tmp_path)
-    result = CliRunner().invoke(app, ["train", "calculate", str(file), "--json"])
+def test_commands_have_the_stop_without_dynamic_brakes(tmp_path):
+    result = CliRunner().invoke(app, ["train", "calculate", "flirt", "--json"])
     assert result.exit_code == 0, result.output
     stop = json.loads(result.stdout)["stops"][0]
     assert sum(stop["energy_dynamic"]) > 0
     assert stop["distance_without_dynamic"] > 0
-    result = CliRunner().invoke(app, ["train", "calculate", str(file), "--out", str(tmp_path / "page")])
+    result = CliRunner().invoke(app, ["train", "calculate", "flirt", "--out", str(tmp_path / "page")])
     assert result.exit_code == 0, result.output
     assert "without dynamic" in (tmp_path / "page" / "index.html").read_text(encoding="utf-8")
 
 
-def test_the_class_of_a_train_has_its_brakes(electric):
-    text = class_text(with_brake(electric), pneumatic=True)
-    assert len(re.findall(r"ElectrodynamicBrake dynamic\d", text)) == 4
-    assert "connect(wheels6.shaft, motor4.shaft);" in text
-    assert "eddy_current1.force" in class_text(
-        train_of(electric | {"dynamic_brakes": {"motor": RAIL}}, "rail"), pneumatic=False
-    )
-
-
-def test_a_filter_refuses_a_train_whose_axles_brake_electrically(tmp_path):
-    file = electric_file(tmp_path)
+def test_a_filter_refuses_a_train_whose_axles_brake_electrically():
     with pytest.raises(InputError, match=r"has \[dynamic_brakes\] on its axles"):
-        of_train(NamedFile(entry="ours.toml", path=file))
+        of_train(NamedFile(entry="flirt", path=shelf("trains")["flirt"]))
 
 
 def packaged() -> dict[str, Train]:

@@ -172,7 +172,6 @@ def test_slack_lets_cars_run_into_each_other(tables):
 @pytest.mark.parametrize("name", NAMED)
 def test_the_trains_of_the_library_are_consistent(name):
     train = load_train(Path(name))
-    assert [str(one) for one in findings(train) if one.wrong] == []
     for reference in train.reference:
         distance = stops_by_hand(train)[reference.speed].distance
         known = reference.distance

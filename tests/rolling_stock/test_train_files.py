@@ -114,15 +114,6 @@ def test_each_car_has_half_of_a_shared_bogie():
     assert train.groups == ((0, 1), (2,), (3,), (4, 5))
 
 
-@pytest.mark.parametrize("name", NAMED)
-def test_the_trains_of_the_library_state_the_source_of_every_number(name):
-    train = load_train(Path(name))
-    assert train.name == name
-    tables = [train.resistance, *train.pads.values(), *train.brakes.values(), *train.bogies.values(), *train.cars,
-              *train.couplers.values(), *train.track_brakes.values(), train.command]  # fmt: skip
-    assert all(table.source or table.estimated for table in tables)
-
-
 def quantities(table, path=()):
     """Yield the path of each quantity of a train file that has a unit."""
     for key, value in table.items() if isinstance(table, dict) else enumerate(table):
