@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from filterpy.kalman import KalmanFilter
+from small_train import BEGINNING
 from test_estimate_from_a_stop import assert_equal_to_the_loop, squares_of
 from test_specification import written
 from typer.testing import CliRunner
 
 import railgrip as rg
 import railgrip.scenario
-from railgrip import cli
 from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.cli.app import app
 from railgrip.estimation.models import of_train
@@ -28,9 +28,6 @@ from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.measures import SLOWEST
 from railgrip.trace.recorder import write_trace
-
-TEMPLATE = Path(cli.__file__).parent / "templates" / "train.toml"
-
 
 TRAM = Path(railgrip.scenario.__file__).parent / "trains" / "tram.toml"
 
@@ -60,7 +57,7 @@ def test_the_data_of_a_train_file_are_those_of_its_plant(train):
 @pytest.fixture(scope="module")
 def mine(tmp_path_factory):
     """A train file of a user: that of tests/cli/test_new.py, so that both need one FMU."""
-    text = TEMPLATE.read_text(encoding="utf-8").replace("NAME", "mine").replace("coupled = false", "coupled = true")
+    text = BEGINNING.replace("NAME", "mine").replace("coupled = false", "coupled = true")
     file = tmp_path_factory.mktemp("train") / "mine.toml"
     file.write_text(text, encoding="utf-8")
     return file
@@ -229,20 +226,14 @@ def test_groups_of_a_trace_that_do_not_match_the_train_are_refused_together(trac
     assert "the recording has 4 groups of cylinder_pressure, and emu387 has 16" in text
 
 
-def test_columns_that_do_not_match_the_train_are_refused_together(tmp_path):
-    columns = "".join(
-        f'"{name}[{group}]" = {{ column = "{name}{group}", unit = "{unit}" }}\n'
-        for name, unit in (("wheelset_speed", "rad/s"), ("cylinder_pressure", "bar"))
-        for group in (range(1, 7) if name == "wheelset_speed" else range(1, 4))
-    )
-    (tmp_path / "mine.toml").write_text(
-        'extends = "train"\n[model]\ntrain = "tram"\n[data]\ntime = { column = "t", unit = "s" }\nperiod = "10 ms"\n'
-        'longest_gap = "100 ms"\nfrozen = "1 s"\nspike = 8.0\n[data.columns]\n'
-        'speed = { column = "v", unit = "bar" }\n' + columns,
-        encoding="utf-8",
-    )
+def test_columns_that_do_not_match_the_train_are_refused_together():
+    columns = {"speed": {"column": "v", "unit": "bar"}}
+    columns |= {f"wheelset_speed[{group}]": {"column": f"n{group}", "unit": "rad/s"} for group in range(1, 7)}
+    columns |= {f"cylinder_pressure[{group}]": {"column": f"p{group}", "unit": "bar"} for group in range(1, 4)}
+    data = {"time": {"column": "t", "unit": "s"}, "period": 0.01, "longest_gap": 0.1, "frozen": 1.0, "spike": 8.0}
+    changes = {"model.train": "tram", "data": data | {"columns": columns}}
     with pytest.raises(EstimationError) as error:
-        require_consistent(load_specification(tmp_path / "mine.toml"))
+        require_consistent(load_specification(Path("train"), changes))
     text = str(error.value)
     assert "[data.columns] has wheelset_speed[5], wheelset_speed[6], and tram has 4 groups" in text
     assert "lacks cylinder_pressure[4], which the model must know" in text

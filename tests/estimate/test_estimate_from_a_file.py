@@ -1,10 +1,9 @@
 """Estimates from a user's file equal those from the recording of the same signals."""
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
+from test_recording_agreement import PERIOD, changed, recording, times, wagon, written
 from typer.testing import CliRunner
 
 from railgrip.base.errors import EstimationError
@@ -12,86 +11,65 @@ from railgrip.cli.app import app
 from railgrip.estimation.run import estimate
 from railgrip.estimation.sources import check_mass, recording_for, recording_of_estimation
 from railgrip.estimation.spec import LIBRARY, load_specification, prediction_for, settings_for
-from railgrip.recording.samples import recording_of
-
-MAP = """
-[data]
-time = { column = "t", unit = "ms" }
-period = "10 ms"
-longest_gap = "100 ms"
-frozen = "1 s"
-spike = 8.0
-
-[data.columns]
-wheelset_speed = { column = "n", unit = "rev/min" }
-speed = { column = "v", unit = "km/h" }
-pad_force = { column = "F", unit = "kN" }
-true_mu_b = { column = "mu", unit = "1" }
-"""
+from railgrip.recording.samples import truth_of
 
 
 @pytest.fixture
-def case(tmp_path: Path):
-    """Estimation, file, and recording of the same signals: a rig that coasts, then brakes."""
-    random = np.random.default_rng(3)
-    t = np.arange(1500) * 0.01
-    v = 30.0 - 0.05 * t - np.where(t > 5.0, 1.0 * (t - 5.0), 0.0) + 1e-3 * random.standard_normal(t.size)
-    w = v / 0.46 + 1e-3 * random.standard_normal(t.size)
-    force = np.where(t > 5.0, 2.0e4, 0.0)
-    frame = pd.DataFrame(
-        {"t": 1e3 * t, "n": w * 30.0 / np.pi, "v": 3.6 * v, "F": force / 1e3, "mu": np.full(t.size, 0.35)}
-    )
-    frame.loc[700:720, "n"] = np.nan
-    file, toml = tmp_path / "run.csv", tmp_path / "run.toml"
-    frame.to_csv(file, index=False)
-    toml.write_text((LIBRARY / "rig_own.toml").read_text(encoding="utf-8") + MAP, encoding="utf-8")
-    w[700:721] = np.nan
-    signals = {"wheelset_speed": (w, "rad/s"), "speed": (v, "m/s"), "pad_force": (force, "N")}
-    return toml, file, recording_of(signals, period=0.01)
+def signals():
+    """A wagon that coasts, then brakes; the encoder of its first wheelset is silent for a while."""
+    recorded = wagon(start=15.0, coasting=3.0)
+    recorded["wheelset_speed[1]"][500:511] = np.nan
+    return recorded
 
 
-def test_a_file_gives_the_same_estimates_as_its_recording(case):
-    toml, file, recording = case
-    specification = load_specification(toml)
-    prediction, settings = prediction_for(specification), settings_for(specification, 0.01)
-    record = recording_for(specification, file)
+@pytest.fixture
+def arguments(signals, tmp_path):
+    """Arguments of `railgrip estimate` for a file of the signals, with the true friction of a wheelset's pads."""
+    arguments = written(tmp_path, signals)
+    toml, file = tmp_path / "run.toml", tmp_path / "run.csv"
+    pd.read_csv(file).assign(mu=0.35).to_csv(file, index=False)
+    truth = '"true_mu_b[1]" = { column = "mu", unit = "1" }\n'
+    toml.write_text(toml.read_text(encoding="utf-8") + truth, encoding="utf-8")
+    return arguments
+
+
+@pytest.mark.usefixtures("arguments")
+def test_a_file_gives_the_same_estimates_as_its_recording(signals, tmp_path):
+    specification = load_specification(tmp_path / "run.toml")
+    prediction, settings = prediction_for(specification), settings_for(specification, PERIOD)
+    record = recording_for(specification, tmp_path / "run.csv")
     assert [flag.kind for flag in record.flags] == ["gap"]
-    through, direct = (estimate(one, prediction, settings)["mean"] for one in (record.recording, recording))
+    assert truth_of(record.recording, "mu_b[1]") == pytest.approx(0.35)
+    through, direct = (estimate(one, prediction, settings)["mean"] for one in (record.recording, recording(signals)))
     # Units are converted twice, with rounding.
     np.testing.assert_allclose(through.values, direct.values, rtol=1e-6, atol=1e-9)
 
 
-def test_the_command_reports_repairs_and_errors(case, tmp_path):
-    toml, file, _ = case
-    result = CliRunner().invoke(app, ["estimate", str(toml), "--data", str(file), "--out", str(tmp_path / "out")])
+def test_the_command_reports_repairs_and_errors(arguments, tmp_path):
+    result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 0, result.output
-    assert "wheelset_speed, 6.990–7.210 s: no samples" in result.output
+    assert "wheelset_speed[1], 9.980–10.220 s: no samples" in result.output
     assert "pad_friction" in result.output
     estimates = (tmp_path / "out" / "estimates.nc").read_bytes()
-    refused = ["--data", str(tmp_path / "not_there.csv"), "--out", str(tmp_path / "out")]
-    assert CliRunner().invoke(app, ["estimate", str(toml), *refused]).exit_code != 0
+    (tmp_path / "run.csv").unlink()
+    assert CliRunner().invoke(app, arguments).exit_code != 0
     assert (tmp_path / "out" / "estimates.nc").read_bytes() == estimates
 
 
 @pytest.mark.parametrize(
-    ("column", "factor", "sentence"),
+    ("name", "factor", "sentence"),
     [
-        ("n", 1e6, "wheelset_speed is"),
-        ("F", -1.0, "pad_force is -2e+04 N at"),
-        ("v", 3.6, "Filter: lost;"),
+        ("wheelset_speed", 1e6, "wheelset_speed[1] is"),
+        ("pad_force", -1.0, "pad_force[1] is -"),
+        ("speed", 3.6, "and beyond 0 to 1 in"),
     ],
 )
-def test_an_implausible_recording_fails(case, tmp_path, column, factor, sentence):
+def test_an_implausible_recording_fails(signals, tmp_path, name, factor, sentence):
     """Wheel speeds in a wrong unit, forces of wrong sign, km/h converted twice; [data] does not change the refusal."""
-    toml, file, _ = case
-    accepted = 'spike = 8.0\ncontradictions = "warn"\n'
-    toml.write_text(toml.read_text(encoding="utf-8").replace("spike = 8.0\n", accepted), encoding="utf-8")
-    frame = pd.read_csv(file)
-    frame[column] *= factor
-    frame.to_csv(file, index=False)
-    result = CliRunner().invoke(app, ["estimate", str(toml), "--data", str(file), "--out", str(tmp_path / "out")])
+    arguments = written(tmp_path, changed(signals, name, times(factor)), 'contradictions = "warn"')
+    result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 3, result.output
-    assert sentence in result.output
+    assert sentence in " ".join(result.output.split())
     assert (tmp_path / "out" / "estimates.nc").exists()
 
 
@@ -103,7 +81,7 @@ def test_masses_of_course_and_model_must_agree():
     check_mass(load_specification(LIBRARY / "field.toml", ["course.mass='90 t'", *heavier]))
 
 
-def test_an_estimation_without_a_map_cannot_read_a_file(case):
-    _, file, _ = case
+def test_an_estimation_without_a_map_cannot_read_a_file(signals, tmp_path):
+    written(tmp_path, signals)
     with pytest.raises(EstimationError, match=r"has no \[data\], which maps the columns of run\.csv"):
-        recording_for(load_specification(LIBRARY / "rig_own.toml"), file)
+        recording_for(load_specification(LIBRARY / "wagon.toml"), tmp_path / "run.csv")

@@ -92,12 +92,6 @@ def retimed(change):
     return rewritten(lambda trace: trace.assign_coords(time=("time", change(trace["time"].values), {"units": "s"})))
 
 
-def on_another_axis(trace):
-    """Return a trace in which time has two dimensions."""
-    trace = trace.rename(time="t")
-    return trace.assign(time=(("t", "group"), np.zeros((trace.sizes["t"], trace.sizes["group"]))))
-
-
 def edited(change):
     """Return a function that changes the content of an HDF5 file."""
 
@@ -137,10 +131,8 @@ def at_sample_700(change):
     ("damage", "sentence"),
     [
         (cut, "trace.nc: is not a NetCDF file"),
-        (lambda path: path.write_bytes(b"no hdf5 at all"), "trace.nc: is not a NetCDF file"),
         (without("time"), "trace.nc: is not a NetCDF file"),
         (rewritten(lambda trace: trace.rename(time="t")), "trace.nc: is not a trace, it has no time axis"),
-        (rewritten(on_another_axis), "trace.nc: time must have one dimension"),
         (rewritten(lambda trace: trace.isel(time=slice(0, 0))), "trace.nc: time must have one dimension"),
         (rewritten(lambda trace: trace.isel(time=slice(0, 1))), "1 samples; an estimate needs at least two"),
         (retimed(lambda time: time[::-1]), "trace.nc: time does not rise"),
@@ -151,15 +143,12 @@ def at_sample_700(change):
         (at_sample_700(lambda time: time + 0.5), "the grid is uneven"),
         (attribute("time", "units", "ms"), "trace.nc: time is in 'ms', a trace has it in 's'"),
         (attribute("/", "period", "1 ms"), "trace.nc: the attribute period is '1 ms'"),
-        (attribute("/", "period", [1.0, 2.0]), "trace.nc: is not a NetCDF file"),
         (
             replaced("reading_wheelset_speed", np.transpose, -1),
             "'reading_wheelset_speed' has the dimensions group, time; time is the first one",
         ),
         (replaced("reading_speed", lambda v: v[:-5]), "'reading_speed' has"),
         (replaced("reading_speed", lambda v: v.astype("S8")), "variable 'reading_speed' must have numbers; it has |S8"),
-        (replaced("reading_speed", lambda v: v.astype(complex)), "variable 'reading_speed' must have numbers"),
-        (attribute("reading_speed", "units", "kg"), "speed is in 'kg', the prediction needs 'm/s'"),
         (attribute("reading_speed", "units", "furlong"), "speed is in 'furlong', the prediction needs 'm/s'"),
         (attribute("reading_speed", "units", b"m/s\xff"), "speed is in 'm/s\\udcff', the prediction needs 'm/s'"),
         (without("reading_speed"), "has no signal speed"),

@@ -79,6 +79,16 @@ def drives(steps, seed=1):
     return random.normal(0.0, 1e4, (steps, 1)), random.normal(0.0, [1e-3, 1.0], (steps, 2))
 
 
+def both(stepped, reference, feedthrough, steps):
+    """Step a filter and its reference with the same inputs and readings, and yield after each step."""
+    for held, seen in zip(*drives(steps), strict=True):
+        stepped.inputs[:], stepped.readings[:] = held, seen
+        stepped.advance()
+        reference.predict(u=held)
+        reference.update(seen - feedthrough * held[0])
+        yield
+
+
 def assert_equal(mean, covariance, reference):
     sd = np.sqrt(np.diag(reference.P))
     assert np.max(np.abs(mean - reference.x) / sd) < ROUNDING
@@ -106,11 +116,7 @@ def test_on_a_linear_model_every_filter_is_the_kalman_filter(linear, kind):
         filter_ = kind(*arguments)
         stepped = NumpyFilter(filter_, filter_.start(*START))
     reference, feedthrough = reference_filter(linear)
-    for held, seen in zip(*drives(300), strict=True):
-        stepped.inputs[:], stepped.readings[:] = held, seen
-        stepped.advance()
-        reference.predict(u=held)
-        reference.update(seen - feedthrough * held[0])
+    for _ in both(stepped, reference, feedthrough, 300):
         assert_equal(stepped.mean, stepped.covariance, reference)
 
 
@@ -128,18 +134,15 @@ def test_the_discretisation_is_exact_up_to_its_taylor_remainder(linear):
     assert bound < 1e-3  # so that the comparison below is meaningful
 
     reference, feedthrough = reference_filter(linear)
-    both = expm(PERIOD * np.block([[A, B], [np.zeros((1, 5))]]))
-    reference.F, reference.B = both[:4, :4], both[:4, 4:]
-    ours = ExtendedKalmanFilter(linear, LINEAR["density"], LINEAR["noise"], PERIOD)
-    belief = ours.start(*START)
-    for held, seen in zip(*drives(1000), strict=True):
-        belief = ours.step(belief, held, seen)
-        reference.predict(u=held)
-        reference.update(seen - feedthrough * held[0])
+    exact = expm(PERIOD * np.block([[A, B], [np.zeros((1, 5))]]))
+    reference.F, reference.B = exact[:4, :4], exact[:4, 4:]
+    filter_ = ExtendedKalmanFilter(linear, LINEAR["density"], LINEAR["noise"], PERIOD)
+    ours = NumpyFilter(filter_, filter_.start(*START))
+    for _ in both(ours, reference, feedthrough, 1000):
         # Relative to the size of the states in this run: centimetres, metres per second.
-        assert np.max(np.abs(belief.mean - reference.x) / np.array([1e-2, 1e-2, 1.0, 1.0])) < bound
+        assert np.max(np.abs(ours.mean - reference.x) / np.array([1e-2, 1e-2, 1.0, 1.0])) < bound
         sd = np.sqrt(np.diag(reference.P))
-        assert np.max(np.abs(belief.covariance - reference.P) / np.outer(sd, sd)) < bound
+        assert np.max(np.abs(ours.covariance - reference.P) / np.outer(sd, sd)) < bound
 
 
 def random_belief(n=6, seed=4):
@@ -304,11 +307,7 @@ def test_interacting_filters_are_those_of_filterpy(linear):
     ours = InteractingFilters(filters, change, [0.3, 0.7], filters[0].start(*START))
     references, feedthrough = zip(*(reference_filter(linear, density) for density in densities), strict=True)
     reference = IMMEstimator(list(references), np.array([0.3, 0.7]), change)
-    for held, seen in zip(*drives(100), strict=True):
-        ours.inputs[:], ours.readings[:] = held, seen
-        ours.advance()
-        reference.predict(u=held)
-        reference.update(seen - feedthrough[0] * held[0])
+    for _ in both(ours, reference, feedthrough[0], 100):
         # filterpy multiplies densities; railgrip adds logarithms.
         assert ours.probabilities == pytest.approx(reference.mu, abs=1e-9)
         assert_equal(ours.mean, ours.covariance, reference)
