@@ -37,7 +37,6 @@ from railgrip.simulate.remarks import remarks_after, remarks_before, remarks_on_
 from railgrip.simulate.user_parts import NO_CUSTOM_PARTS, CustomController, CustomParts, UserParts
 from railgrip.simulate.value_checks import DemandLimits
 from railgrip.simulate.vehicle_data import Opening, VehicleData
-from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import over_the_rail
 from railgrip.trace.metrics import measure
 from railgrip.trace.recorder import Recorder
@@ -253,15 +252,7 @@ def evaluate_stop(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus
     # The bound uses the true data: the plant's own brakes and the scenario's creep curve. A foreign plant without brake
     # outputs has no bound; metrics that require it are empty.
     with suppress(ScenarioError):
-        bound = partial(
-            with_bound,
-            trace,
-            vehicle.contact,
-            vehicle.true.brakes,
-            scenario.limits.alpha_max,
-            vehicle.resistance_lever,
-            dynamics=vehicle.dynamic_limits,
-        )
+        bound = partial(vehicle.bound, trace, contact=vehicle.contact)
         trace = bound()
         if over_the_rail(trace) > _MAXIMUM_UTILISATION:
             trace = bound(stride=0.0)

@@ -32,10 +32,9 @@ from railgrip.controllers.train_level import (
 )
 from railgrip.controllers.valves import BAND, PULSE_MIN, ValveLogic, ValveModel
 from railgrip.fmi import Binding, Description, bind, foreign_code, open_plant
+from railgrip.scenario.onboard import Actuation, Controller, ControllerFmu, KalmanFilter
 from railgrip.scenario.onboard import BuiltInLaw as LawTable
-from railgrip.scenario.onboard import Controller, ControllerFmu, KalmanFilter
 from railgrip.scenario.quantity import Magnitude, in_units
-from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.interfaces import LawStates, LoopController, LoopPlant
 from railgrip.simulate.named_models import description_of_file, require_role, units_of
 from railgrip.simulate.user_parts import FormulaLaw, call_user_code
@@ -202,16 +201,16 @@ class ForeignController:
 
 
 def binding_of(
-    scenario: Scenario, table: ControllerFmu, description: Description, groups: int, estimates: Collection[str]
+    table: ControllerFmu, actuation: Actuation, description: Description, groups: int, estimates: Collection[str]
 ) -> tuple[Binding, str]:
     """Bind observation and decision to variables of the FMU; return the binding and the output, demand or command.
 
     Raises:
         FmuError: The map does not fit the FMU, or the FMU has neither output.
     """
-    where = f"{scenario.name}: [controller.map]"
+    where = "[controller.map]"
     if not table.map:
-        require_role(description, "controller", f"{scenario.name}: [controller] file")
+        require_role(description, "controller", "[controller] file")
     inputs = [signal for signal in OBSERVATION if signal.name not in ONLY_ESTIMATED - {*estimates}]
     outputs = [signal for signal in _DECISIONS if signal.name in table.map] or _DECISIONS
     binding = bind(
@@ -231,10 +230,10 @@ def binding_of(
             f"{where}: {file} gives {names}; expected is either demand [Pa] or command of the {groups} groups: state "
             'which variables they are, as in demand = "pressure[{i}]".'
         )
-    if decisions == ["command"] and scenario.actuation.kind != "pneumatic":
+    if decisions == ["command"] and actuation.kind != "pneumatic":
         raise FmuError(
-            f"{where}: {file} commands valves, but [actuation] kind is '{scenario.actuation.kind}', which takes "
-            "pressures; make it 'pneumatic', with a plant that has valves."
+            f"{where}: {file} commands valves, but [actuation] kind is '{actuation.kind}', which takes pressures; make "
+            "it 'pneumatic', with a plant that has valves."
         )
     return binding, decisions[0]
 
@@ -258,7 +257,7 @@ def open_controller(
     name = description.file.name
     stop.add_fmu(description, "controller")
     values = in_units("[controller.parameters]", table.parameters, units_of(description))
-    binding, gives = binding_of(scenario, table, description, vehicle.formation.groups, estimates)
+    binding, gives = binding_of(table, scenario.actuation, description, vehicle.formation.groups, estimates)
 
     @contextmanager
     def opening(notify: Callable[[str], None]) -> Generator[ForeignController]:
@@ -282,13 +281,13 @@ def open_controller(
     given = [key for key in ("redistribute", "release_max") if getattr(table, key)]
     if commands_valves and scenario.demand is not None:
         raise ScenarioError(
-            f"{scenario.name}: [demand] limits the pressures that a controller demands, but {name} commands the valves "
-            "instead; leave out [demand], or name an FMU whose output is the demand [Pa]"
+            f"[demand] limits the pressures that a controller demands, but {name} commands the valves instead; leave "
+            "out [demand], or name an FMU whose output is the demand [Pa]"
         )
     if commands_valves and given:
         raise ScenarioError(
-            f"{scenario.name}: [controller] {' and '.join(given)} cannot change pressures: {name} commands the valves; "
-            "leave that out, or let the FMU give demand [Pa]"
+            f"[controller] {' and '.join(given)} cannot change pressures: {name} commands the valves; leave that out, "
+            "or let the FMU give demand [Pa]"
         )
     return controller, commands_valves
 
@@ -301,13 +300,13 @@ def _try_controller(stop: Opening, law: ForeignController, name: str, has_estima
     """
     scenario, brakes = stop.vehicle.scenario, stop.vehicle.nominal.formation.brakes
     changes = responses(law.decide, brakes, scenario.periods.controller, estimates=has_estimates)
-    where = f"{scenario.name}: [controller.map]"
+    where = "[controller.map]"
     if words := order_mistake(changes):
         raise ScenarioError(f"{where} does not fit {name}: in a short run it {words}.")
     if np.all(np.abs(changes) < _LOWERED):
         stop.notify(
-            f"{where}: in a short run {name} changed no pressure while wheels slid by 60 %; if it protects from "
-            "sliding, look at units and signs of its inputs."
+            f"{scenario.name}: {where}: in a short run {name} changed no pressure while wheels slid by 60 %; if it "
+            "protects from sliding, look at units and signs of its inputs."
         )
 
 

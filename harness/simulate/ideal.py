@@ -57,7 +57,7 @@ from railgrip.simulate.contact import SLIPS_OF_TWO_MAXIMA, CleanedContact, with_
 from railgrip.simulate.loop.loop import Ending
 from railgrip.simulate.named_models import compile_class
 from railgrip.simulate.vehicle_data import VehicleData
-from railgrip.trace.bound import Contact, contact_at, peak, regained_adhesion, torque_beyond_pads, with_bound
+from railgrip.trace.bound import Contact, contact_at, peak, regained_adhesion, torque_beyond_pads
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.signals import CURVE, PLANT
@@ -174,19 +174,12 @@ def _require_known_rail(scenario: Scenario) -> None:
 
 def _rail(vehicle: VehicleData) -> tuple[Contact, Callable[[xarray.Dataset], xarray.Dataset]]:
     """Return the contact on the rail of a scenario, and the function that returns a trace with the bound there."""
-    adhesion, brakes, alpha_max = vehicle.scenario.adhesion, vehicle.true.brakes, vehicle.scenario.limits.alpha_max
-    bound = partial(
-        with_bound,
-        brakes=brakes,
-        alpha_max=alpha_max,
-        resistance_lever=vehicle.resistance_lever,
-        dynamics=vehicle.dynamic_limits,
-    )
-    if adhesion.cleaning is None:
-        return vehicle.contact, partial(bound, contact=vehicle.contact)
-    contact = CleanedContact(vehicle.contact, adhesion.cleaning, vehicle.curves[0])
-    search = partial(peak, slips=SLIPS_OF_TWO_MAXIMA)
-    return contact, lambda trace: bound(with_energy(trace, contact), contact, search=search)
+    cleaning = vehicle.scenario.adhesion.cleaning
+    if cleaning is None:
+        return vehicle.contact, partial(vehicle.bound, contact=vehicle.contact)
+    contact = CleanedContact(vehicle.contact, cleaning, vehicle.curves[0])
+    bound = partial(vehicle.bound, contact=contact, search=partial(peak, slips=SLIPS_OF_TWO_MAXIMA))
+    return contact, lambda trace: bound(with_energy(trace, contact))
 
 
 def full_braking(

@@ -37,14 +37,11 @@ from railgrip.scenario.vehicle_table import (
 )
 from railgrip.vehicle.signals import CURVE
 
+description_of = cache(describe)
+"""Return the description of an FMU in the user's cache, read once: its path has the digest of its content.
 
-@cache
-def description_of(path: Path) -> Description:
-    """Return the description of an FMU in the user's cache, read once: its path has the digest of its content.
-
-    The time of its last change does not identify it, because every process that uses the FMU sets it.
-    """
-    return describe(path)
+The time of its last change does not identify it, because every process that uses the FMU sets it.
+"""
 
 
 def description_of_file(path: Path, limits: FmuLimits) -> Description:
@@ -58,10 +55,8 @@ def _describe(path: Path, stamp: tuple[int, int], limits: FmuLimits) -> Descript
     return describe(path, limits)
 
 
-@cache
-def recipe_file(name: str) -> Path:
-    """Return the FMU of a recipe, built if it is out of date; cached in the process."""
-    return fmu(name)
+recipe_file = cache(fmu)
+"""Return the FMU of a recipe, built if it is out of date; cached in the process."""
 
 
 @cache
@@ -215,10 +210,8 @@ def _remarks_on_train(path: Path, digest: str, speed: float) -> tuple[list[str],
     return [f"{path.name}: {remark}" for remark in findings(train)], [f"{path.name}: {remark}" for remark in wrong]
 
 
-@cache
-def compile_class(class_name: str) -> Model:
-    """Return a Modelica class as CasADi functions; compiled once in a process."""
-    return lower(class_name)
+compile_class = cache(lower)
+"""Return a Modelica class as CasADi functions; compiled once in a process."""
 
 
 def plant_description(scenario: Scenario) -> Description:
@@ -231,14 +224,11 @@ def plant_description(scenario: Scenario) -> Description:
     rail = _Rail(curved=len(adhesion.curves) > 1, temperature_loss=adhesion.polach.temperature_loss, detailed=detailed)
     if detailed and not has_contacts_of_library(scenario.vehicle.source):
         raise ScenarioError(
-            f"{scenario.name}: [truth] mechanics = 'detailed' needs the two-part train, the wagon or a train file; "
-            "leave it out"
+            "[truth] mechanics = 'detailed' needs the two-part train, the wagon or a train file; leave it out"
         )
     match scenario.vehicle.source:
         case RecipePlant(name) if name in shelf("trains"):
-            raise ScenarioError(
-                f"{scenario.name}: [vehicle] plant '{name}' is a train file of this package; write train = '{name}'"
-            )
+            raise ScenarioError(f"[vehicle] plant '{name}' is a train file of this package; write train = '{name}'")
         case RecipePlant(name):
             return description_of(_recipe_on_rail(name, rail) if any(rail) else recipe_file(name))
         case TrainFile(file):
@@ -411,19 +401,21 @@ def require_role(description: Description, expected: Role, where: str) -> None:
         )
 
 
-def require_plant(scenario: Scenario, description: Description) -> None:
+def require_plant(vehicle: Vehicle, kind: Literal["ideal", "pneumatic"], description: Description) -> None:
     """Raise an error for an FMU that is not a plant, or is one for another kind of actuation; a map overrides names.
+
+    Args:
+        vehicle: Table that names the FMU.
+        kind: Kind of actuation.
+        description: Description of the FMU.
 
     Raises:
         FmuError: The FMU does not fit; the message names the key of the scenario to change.
     """
-    source, kind, file = scenario.vehicle.source, scenario.actuation.kind, description.file.name
-    where, names = (
-        f"{scenario.name}: [vehicle] plant",
-        {ElementName.of(name).array for name in description.names("input")},
-    )
+    source, file, where = vehicle.source, description.file.name, "[vehicle] plant"
+    names = {ElementName.of(name).array for name in description.names("input")}
     sent, other = _COMMANDS if kind == "ideal" else _COMMANDS[::-1]
-    if isinstance(source, PythonClass) or scenario.vehicle.map or sent in names:
+    if isinstance(source, PythonClass) or vehicle.map or sent in names:
         return
     if other in names:
         remedy = "ideal" if kind == "pneumatic" else "pneumatic"

@@ -18,7 +18,7 @@ from railgrip.report.stop import Stop
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle_table import TrainFile
+from railgrip.scenario.vehicle_table import Source, TrainFile
 from railgrip.simulate.assembly import StopAssembly, assemble
 from railgrip.simulate.ideal import ANALYSES
 from railgrip.simulate.loop.loop import Ending, Loop
@@ -54,18 +54,17 @@ def run_stop(
             stop = analysis(scenario, progress)
         for sentence in (excess := remarks_on_use(scenario, stop.metrics)):
             notify(sentence)
-        return replace(stop, remarks=(*remarks, *excess), cars=cars_of(scenario))
+        return replace(stop, remarks=(*remarks, *excess), cars=cars_of(scenario.vehicle.source))
     with assemble(scenario, notify, objects) as parts:
         ending = parts.run(progress)
     stop = parts.stop(ending)
     for sentence in stop.remarks[len(parts.remarks) :]:
         notify(sentence)
-    return replace(stop, cars=cars_of(scenario))
+    return replace(stop, cars=cars_of(scenario.vehicle.source))
 
 
-def cars_of(scenario: Scenario) -> tuple[tuple[float, float], ...]:
+def cars_of(source: Source) -> tuple[tuple[float, float], ...]:
     """Return both ends of each car behind the leading wheelset [m]; none unless the train is from a train file."""
-    source = scenario.vehicle.source
     if not isinstance(source, TrainFile):
         return ()
     train = load_train(source.file.path)

@@ -7,10 +7,11 @@ Nominal data come from the plant's Modelica class through its FMU; a scenario ch
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import isclose
 
 import numpy as np
+import xarray
 from numpy.typing import NDArray
 
 from railgrip.base import registry
@@ -27,7 +28,6 @@ from railgrip.scenario.onboard import BuiltInLaw as LawTable
 from railgrip.scenario.onboard import ControllerFmu, KalmanFilter
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.surface import Sander
 from railgrip.scenario.table import Custom
 from railgrip.scenario.track import TrackForce, force_along, track_force_of
 from railgrip.scenario.vehicle_table import (
@@ -52,7 +52,7 @@ from railgrip.simulate.named_models import (
     require_plant,
     units_of,
 )
-from railgrip.trace.bound import Contact, DynamicLimit
+from railgrip.trace.bound import Contact, DynamicLimit, with_bound
 from railgrip.vehicle.brake import (
     BRAKE,
     LOWEST_PAD_FRICTION,
@@ -114,8 +114,10 @@ class VehicleData:
             ScenarioError: [vehicle] train names a file that is not a train file.
             FmuError: The plant is not an FMU, or an FMU that is not a plant for this scenario.
         """
-        self.scenario, self.file = scenario, plant_description(scenario)
-        require_plant(scenario, self.file)
+        self.scenario = scenario
+        with scenario.name_errors():
+            self.file = plant_description(scenario)
+            require_plant(scenario.vehicle, scenario.actuation.kind, self.file)
         self.fmu_parameters = parameters_of(self.file)
 
     @cached_property
@@ -456,14 +458,13 @@ class VehicleData:
         masses = np.ones(behind.size) if masses is None else masses
         return replace(force, behind=behind, shares=masses / masses.sum())
 
-    @property
-    def sanders(self) -> tuple[Sander, ...]:
-        """Sanders of the scenario, else those of its train file."""
-        return self.scenario.sanders or (() if self.train is None else self.train.sanders)
-
     def rail(self) -> TabulatedRail:
-        """Return the rail, before any wheel has passed; errors are those of `rail_of`."""
-        return rail_of(self.scenario, self.layout, self.track_force, self.curves, self.sanders)
+        """Return the rail, before any wheel has passed; errors are those of `rail_of`.
+
+        Sanders are those of the scenario, else those of its train file.
+        """
+        sanders = self.scenario.sanders or (() if self.train is None else self.train.sanders)
+        return rail_of(self.scenario, self.layout, self.track_force, self.curves, sanders)
 
     @cached_property
     def outputs(self) -> frozenset[str]:
@@ -527,6 +528,17 @@ class VehicleData:
         Where friction falls with temperature, treads are as cold as the rail.
         """
         return compiled_contact(*self.contact_arguments())
+
+    @property
+    def bound(self) -> "partial[xarray.Dataset]":
+        """`railgrip.trace.bound.with_bound` with the true brakes and limits; it takes a trace and `contact`."""
+        return partial(
+            with_bound,
+            brakes=self.true.brakes,
+            alpha_max=self.scenario.limits.alpha_max,
+            resistance_lever=self.resistance_lever,
+            dynamics=self.dynamic_limits,
+        )
 
     def contact_arguments(
         self, parameters: Mapping[str, float] | None = None

@@ -19,7 +19,7 @@ from railgrip.simulate.run import cars_of
 def test_cars_have_the_lengths_of_the_train_file(name, cars):
     """Also those of an articulated train, which move as one body."""
     scenario = load(LIBRARY / "railcar.toml", [f"vehicle.train={name}"])
-    train, ends = load_train(scenario.vehicle.source.file.path), cars_of(scenario)
+    train, ends = load_train(scenario.vehicle.source.file.path), cars_of(scenario.vehicle.source)
     assert len(ends) == cars
     assert np.diff(ends).ravel() == pytest.approx([car.length for car in train.cars])
     assert [end for _, end in ends[:-1]] == [begin for begin, _ in ends[1:]]
@@ -29,7 +29,7 @@ def test_cars_have_the_lengths_of_the_train_file(name, cars):
 
 def test_a_plant_without_a_train_file_has_the_cars_that_it_declares(tmp_path):
     scenario = load(LIBRARY / "trapezoid.toml", COARSE)
-    assert cars_of(scenario) == ()
+    assert cars_of(scenario.vehicle.source) == ()
     train = signals_plot(run_stop(scenario).trace)["layout"]["meta"]["train"]
     assert all(begin < end for begin, end in train["cars"])
     known = ((0.0, 12.0), (12.0, 30.0))

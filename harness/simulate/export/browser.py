@@ -142,7 +142,7 @@ def write_page(load: Load, file: Path, objects: CustomParts = NO_CUSTOM_PARTS) -
             with at({}) as (opened, stop):
                 code = _code_of_law(opened.parts, len(laws))
                 if not laws:
-                    data, (files, variables) = _data(scenario, opened), _files(opened)
+                    data, (files, variables) = _data(opened), _files(opened)
         except ScenarioError as problem:
             if not laws:
                 raise
@@ -279,9 +279,10 @@ def _files(opened: StopAssembly) -> tuple[dict[str, str], dict[str, Any]]:
     }
 
 
-def _data(scenario: Scenario, opened: StopAssembly) -> JsonObject:
+def _data(opened: StopAssembly) -> JsonObject:
     """Return the data of a page that all laws share."""
-    parts, adhesion, period = opened.parts, scenario.adhesion, scenario.periods.communication
+    parts, scenario = opened.parts, opened.vehicle.scenario
+    adhesion, period = scenario.adhesion, scenario.periods.communication
     formation, conditioning = parts.layout.formation, adhesion.conditioning
     even = adhesion.model_copy(update={"level": 1.0, "calibrated": {}, "conditioning": None})
     shape = profile_of(scenario.model_copy(update={"adhesion": even}), formation).mu0_at

@@ -91,8 +91,7 @@ def part_in_c(scenario: Scenario, kind: Kind, objects: CustomParts = NO_CUSTOM_P
     scenario = with_filter_in_c(scenario)
     with assemble(scenario, objects=objects) as opened:
         parts, structs = opened.parts, Loop(opened.parts).structs
-        role = _ROLES[kind](scenario, parts, structs)
-        return _system(scenario, parts, kind, role)
+        return _system(f"{scenario.name}_{kind}", parts, kind, _ROLES[kind](scenario, parts, structs))
 
 
 def readings_of(scenario: Scenario, objects: CustomParts = NO_CUSTOM_PARTS) -> NDArray[np.float64]:
@@ -144,7 +143,7 @@ def with_filter_in_c(scenario: Scenario) -> Scenario:
     return scenario.model_copy(update={"estimator": compiled})
 
 
-def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> SampledSystem:
+def _system(name: str, parts: Parts, kind: Kind, role: _Role) -> SampledSystem:
     layout, estimator = parts.layout, parts.estimator
     files = {name: align_pointers(text) for name, text in headers(layout).items()}
     is_onboard = kind in ("onboard", "estimator")
@@ -183,7 +182,7 @@ def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Sample
         "}",
     ]
     return SampledSystem(
-        name=f"{scenario.name}_{kind}",
+        name=name,
         description=_DESCRIPTIONS[kind],
         period=parts.clock.period,
         inputs=tuple(role.given),
@@ -232,13 +231,13 @@ def write_call(name: str, formula: Sampled) -> str:
 def _track(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
     if parts.rail.sand is not None and parts.rail.sand.is_demanded:
         raise ScenarioError(
-            f"{scenario.name}: [controller] {scenario.controller.kind} switches the sanders, and the FMU of the track "
-            "has no input for that; leave out [[sanders]], or choose another controller"
+            f"[controller] {scenario.controller.kind} switches the sanders, and the FMU of the track has no input for "
+            "that; leave out [[sanders]], or choose another controller"
         )
     if _switches_magnets(parts):
         raise ScenarioError(
-            f"{scenario.name}: [controller] {scenario.controller.kind} switches the magnetic track brakes, and the FMU "
-            "of the track has no input for that; choose another controller, or a train without them"
+            f"[controller] {scenario.controller.kind} switches the magnetic track brakes, and the FMU of the track has "
+            "no input for that; choose another controller, or a train without them"
         )
     layout = parts.layout
     recovers = parts.rail.slip_energy is not None
@@ -268,9 +267,9 @@ def _switches_magnets(parts: Parts) -> bool:
 def _sensors(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
     sensors, layout = parts.sensors, parts.layout
     if not isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors):
-        raise ScenarioError(f"{scenario.name}: [sensors] read in Python and cannot leave as an FMU")
+        raise ScenarioError("[sensors] read in Python and cannot leave as an FMU")
     if parts.faults is not None:
-        raise ScenarioError(f"{scenario.name}: [[faults]] of sensors or valves cannot leave as an FMU; leave them out")
+        raise ScenarioError("[[faults]] of sensors or valves cannot leave as an FMU; leave them out")
     data: dict[str, object] = {"block": 1}
     deviation = np.zeros(1) if isinstance(sensors, IdealSensors) else sensors.deviation
     if isinstance(sensors, ServiceSensors):
@@ -317,13 +316,13 @@ def _onboard(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
     law, valves = parts.controller, parts.valves
     if not isinstance(law, Sampled):
         raise ScenarioError(
-            f"{scenario.name}: [controller] kind '{scenario.controller.kind}' is not a built-in law, and only "
-            "these can be exported; choose another kind"
+            f"[controller] kind '{scenario.controller.kind}' is not a built-in law, and only these can be exported; "
+            "choose another kind"
         )
     if "filter->body_force" in formulas and _switches_magnets(parts):
         raise ScenarioError(
-            f"{scenario.name}: [controller] {scenario.controller.kind} switches the magnetic track brakes, which the "
-            "FMU of the onboard part does not tell its filter; choose another controller, or a train without them"
+            f"[controller] {scenario.controller.kind} switches the magnetic track brakes, which the FMU of the onboard "
+            "part does not tell its filter; choose another controller, or a train without them"
         )
     formulas["onboard->law"] = law
     given = [*_of(parts.layout.signals["reading"], parts.layout), *_of(DRIVER_DEMAND, parts.layout, parts.full)]
@@ -370,13 +369,13 @@ def _filter_data(scenario: Scenario, parts: Parts, structs: Structs) -> tuple[St
         return cycle, {}
     if scenario.has_traction:
         raise ScenarioError(
-            f"{scenario.name}: [demand] has traction, which the filter knows and its FMU has no input for; leave out "
-            "traction, or [estimator]"
+            "[demand] has traction, which the filter knows and its FMU has no input for; leave out traction, or "
+            "[estimator]"
         )
     if not isinstance(estimator, StateEstimator) or not isinstance(estimator.filter, StepInC):
         raise ScenarioError(
-            f"{scenario.name}: [estimator] kind '{scenario.estimator.kind}' is not in C and cannot leave as an FMU; "
-            "kinds compiled, python and fmu do, with a model of this project or a Modelica class"
+            f"[estimator] kind '{scenario.estimator.kind}' is not in C and cannot leave as an FMU; kinds compiled, "
+            "python and fmu do, with a model of this project or a Modelica class"
         )
     cycle.set(filter=structs.filter)
     formulas = {"filter->reference_speed": estimator.free_wheel, "filter->body_force": estimator.body_force}

@@ -85,19 +85,19 @@ def controller_fmu(
     return sources(convert(system), waits=int(scenario.start.speed > 0.0), hidden=PERIODS)
 
 
-def valves_fmu(scenario: Scenario, convert: Conversion = lambda system: system) -> Source | None:
+def valves_fmu(vehicle: VehicleData, convert: Conversion) -> Source | None:
     """Return the source of the valve logic alone, from demanded and measured pressures.
 
     The result is None if the plant has no valves.
     """
-    valves = valve_logic_of(VehicleData(scenario))
+    valves = valve_logic_of(vehicle)
     if valves is None:
         return None
     formula = valves.formula
     system = SampledSystem(
         name=formula.name,
         description=formula.description,
-        period=scenario.periods.controller,
+        period=vehicle.scenario.periods.controller,
         states=started_at(formula.states, valves.state, _MEMORY),
         inputs=started_at(formula.inputs),
         parameters=started_at(formula.parameters, valves.parameters),

@@ -72,9 +72,7 @@ def write_ssp(
     """
     vehicle = VehicleData(scenario)
     binding = binding_of(vehicle)
-    components = {
-        component.name: component for component in _components(scenario, vehicle, binding, platforms, objects)
-    }
+    components = {component.name: component for component in _components(vehicle, binding, platforms, objects)}
     connections = [*_connections(vehicle, binding, components)]
     members = {f"resources/{name}.fmu": component.content for name, component in components.items()}
     members["SystemStructure.ssd"] = _bytes(_structure(scenario, components, connections))
@@ -84,8 +82,9 @@ def write_ssp(
 
 
 def _components(
-    scenario: Scenario, vehicle: VehicleData, binding: Binding, platforms: Sequence[str], objects: CustomParts
+    vehicle: VehicleData, binding: Binding, platforms: Sequence[str], objects: CustomParts
 ) -> Iterator[_Component]:
+    scenario = vehicle.scenario
     if isinstance(scenario.vehicle.source, FmuFile):
         file = vehicle.file.file
         if vehicle.file.fmi != 2 or vehicle.file.co_simulation is None:
@@ -112,7 +111,7 @@ def _components(
         "sensors": part_fmu(scenario, "sensors", lambda system: in_other_units(system, of_plant, {}), objects),
         "estimator": part_fmu(scenario, "estimator", objects=objects),
     }
-    if (valves := valves_fmu(scenario, commands)) is None:
+    if (valves := valves_fmu(vehicle, commands)) is None:
         sources["law"] = controller_fmu(scenario, with_valves=False, convert=commands, objects=objects)
     else:
         sources |= {"law": controller_fmu(scenario, with_valves=False, objects=objects), "valves": valves}
