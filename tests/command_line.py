@@ -1,6 +1,10 @@
-"""Commands of the program, run in this process."""
+"""Commands of the program, run in this process, and other programs."""
 
+import os
+import subprocess
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
@@ -14,6 +18,15 @@ class Done:
     code: int
     out: str
     err: str
+
+
+def ran(command: Sequence[object], folder: Path | None = None, **variables: str) -> "subprocess.CompletedProcess[str]":
+    """Run a program in a folder until it ends, with these environment variables in addition to the present ones."""
+    words = [str(word) for word in command]
+    return subprocess.run(
+        words, cwd=folder, env=os.environ | variables, capture_output=True, encoding="utf-8", check=False,
+        stdin=subprocess.DEVNULL, timeout=3600,  # ends one that hangs, also on a busy machine
+    )  # fmt: skip
 
 
 def exit_code(*arguments: object) -> int:

@@ -2,12 +2,12 @@
 
 import ast
 import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from command_line import ran
 
 from railgrip.base import cache
 from railgrip.fmus.native import separate_process, toolchain
@@ -117,7 +117,7 @@ def test_a_failed_translation_is_reported_on_systems_without_signals():
     code = "import signal; [delattr(signal, n) for n in ('SIGXCPU', 'SIGKILL') if hasattr(signal, n)]; "
     code += "from railgrip.fmus.native.separate_process import _process_failure as sentence; "
     code += "print(sentence(3221225725, ''))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8", check=False)
+    done = ran([sys.executable, "-c", code])
     assert "exit code 3221225725" in done.stdout, done.stderr
 
 
@@ -152,22 +152,16 @@ def test_a_scenario_may_extend_one_on_another_drive(tmp_path, monkeypatch):
     monkeypatch.setattr(os.path, "relpath", refuse)
     entry = load(tmp_path / "mine.toml").resolved()["vehicle"]["train"]
     assert entry == (library / "train.toml").as_posix()
-    table = {"extends": "plain", "vehicle": {"train": entry}}
-    del table["extends"]
     assert scenario_of(load(tmp_path / "mine.toml").resolved(), directory=Path("/"), origin="there")
 
 
 def test_output_into_a_pipe_accepts_all_characters(tmp_path):
     """On Windows the encoding of a pipe depends on the language and has no Greek letters."""
     (tmp_path / "run.csv").write_text("time [s],ω [rad/s]\n0,1\n1,2\n2,3\n", encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, "-m", "railgrip", "inspect", str(tmp_path / "run.csv"), "--for", "rig_own"],
-        env=os.environ | {"PYTHONIOENCODING": "ascii"},
-        capture_output=True,
-        check=False,
-    )
+    words = ["-m", "railgrip", "inspect", tmp_path / "run.csv", "--for", "rig_own"]
+    done = ran([sys.executable, *words], PYTHONIOENCODING="ascii")
     assert done.returncode == 0, done.stderr
-    assert "ω [rad/s]" in done.stdout.decode("utf-8")
+    assert "ω [rad/s]" in done.stdout
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a shell script as compiler")

@@ -1,7 +1,6 @@
 """The wheel: one complete package that runs without the project's sources."""
 
 import json
-import os
 import re
 import shutil
 import subprocess
@@ -11,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import xarray
+from command_line import ran
 from project_files import project_files
 from wrong import table
 
@@ -91,14 +91,7 @@ def alone(environment, here, *arguments):
     """Run Python in a folder with only the installed packages, and without a network."""
     site, cache = environment
     nowhere = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
-    result = subprocess.run(
-        [sys.executable, *arguments],
-        cwd=here,
-        env=os.environ | nowhere | {"PYTHONPATH": str(site), "RAILGRIP_CACHE": str(cache)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    result = ran([sys.executable, *arguments], here, **nowhere, PYTHONPATH=str(site), RAILGRIP_CACHE=str(cache))
     assert result.returncode == 0, result.stderr
     return result.stdout
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import ran
 from sampling import FUZZ, sample
 
 from railgrip.base.programs import environment_of_programs, find_program
@@ -20,17 +21,7 @@ STOP = "run trapezoid --set limits.horizon='1 s' --set controller.kind=full_brak
 
 
 def shell(command: str, folder: Path, **variables: str) -> "subprocess.CompletedProcess[str]":
-    """Run a shell command with a time limit that also suffices on a busy machine."""
-    return subprocess.run(
-        ["/bin/sh", "-c", command],
-        cwd=folder,
-        env={**os.environ, **variables},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=600,
-        stdin=subprocess.DEVNULL,
-    )
+    return ran(["/bin/sh", "-c", command], folder, **variables)
 
 
 @pytest.mark.parametrize(

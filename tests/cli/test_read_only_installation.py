@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import ran
 
 ROOT = Path(__file__).parents[2]
 
@@ -41,19 +42,9 @@ def guarded(code: str, folder: Path, *arguments: str) -> subprocess.CompletedPro
     places = os.pathsep.join(
         [sys.prefix, *(str(ROOT / name) for name in ("harness", "estimators", "fmus", "modelica"))]
     )
-    home = {
-        "HOME": str(folder / "home"),
-        "XDG_CACHE_HOME": str(folder / "cache"),
-        "LOCALAPPDATA": str(folder / "cache"),
-    }
-    return subprocess.run(
-        [sys.executable, "-B", "-c", GUARDED + code, places, *arguments],
-        cwd=folder,
-        env={**{key: value for key, value in os.environ.items() if key != "RAILGRIP_CACHE"}, **home},
-        capture_output=True,
-        encoding="utf-8",
-        check=False,
-    )
+    cache = str(folder / "cache")
+    home = {"HOME": str(folder / "home"), "XDG_CACHE_HOME": cache, "LOCALAPPDATA": cache, "RAILGRIP_CACHE": ""}
+    return ran([sys.executable, "-B", "-c", GUARDED + code, places, *arguments], folder, **home)
 
 
 def test_a_first_stop_writes_only_to_the_cache_and_current_folder(tmp_path):
@@ -100,14 +91,8 @@ def test_another_user_who_may_write_nowhere_gets_sentences(tmp_path):
         if not shutil.which("setpriv") or subprocess.run([*as_user, "true"], check=False).returncode:
             pytest.skip("root cannot become another user here")
     tmp_path.chmod(0o555)
-    done = subprocess.run(
-        [*as_user, sys.executable, "-B", "-c", PROGRAM, json.dumps([words.split() for words in REFUSED])],
-        cwd=tmp_path,
-        env=os.environ | {"HOME": "/nonexistent", "RAILGRIP_CACHE": str(tmp_path / "cache"), "PYTHONPATH": ""},
-        capture_output=True,
-        encoding="utf-8",
-        check=False,
-    )
+    program = [*as_user, sys.executable, "-B", "-c", PROGRAM, json.dumps([words.split() for words in REFUSED])]
+    done = ran(program, tmp_path, HOME="/nonexistent", RAILGRIP_CACHE=str(tmp_path / "cache"), PYTHONPATH="")
     tmp_path.chmod(0o755)
     assert "Traceback" not in done.stderr
     said = re.split(r"exit (\d)\n", done.stderr)

@@ -1,11 +1,9 @@
 """A new figure is one field of `Metrics`: files, tables, comparison, reference and interface then have it."""
 
-import json
-import subprocess
 import sys
 from pathlib import Path
 
-import pytest
+from command_line import ran
 
 import railgrip.trace.metrics
 from railgrip.report.limits import AssessmentLimits
@@ -22,6 +20,7 @@ FIELD = """
 
 PROGRAM = """
 import importlib.util, json, sys
+from dataclasses import replace
 from pathlib import Path
 source, tests, folder = sys.argv[1:]
 sys.path[:0] = [tests + "/report", tests]
@@ -31,7 +30,7 @@ spec.loader.exec_module(module)
 import railgrip.trace
 railgrip.trace.metrics = module
 
-from synthetic import LIBRARY
+from synthetic import COARSE, LIBRARY
 from synthetic_runner import run_stop
 from test_distributions import CAMPAIGN as DRAWS
 import railgrip as rg
@@ -43,74 +42,45 @@ from railgrip.report.stop import metrics_table, write_stop
 from railgrip.scenario.campaign import load_campaign
 import pandas
 
-folder = Path(folder)
-for name, text in (("drawn", DRAWS), ("single", DRAWS.replace("[draws]", "[sweep]\\nseed = [1]\\n[ignored]"))):
-    text = text.format(library=LIBRARY.as_posix()).split("[ignored]\\nfirst = 1\\nlast = 4\\n")
-    place = folder / name
+drawn, single = folders = [Path(folder) / name for name in ("drawn", "single")]
+for place, text in zip(folders, (DRAWS, DRAWS.replace("[draws]\\nfirst = 1\\nlast = 4", "[sweep]\\nseed = [1]"))):
     place.mkdir()
-    file = place / "c.toml"
-    file.write_text("".join(text), encoding="utf-8")
-    periods = [f"periods.{one}=10 ms" for one in ("communication", "estimator", "controller")]
-    campaign = load_campaign(file, periods)
+    (place / "c.toml").write_text(text.format(library=LIBRARY.as_posix()), encoding="utf-8")
+    campaign = load_campaign(place / "c.toml", COARSE)
     write_description(campaign, place)
     for stop in campaign.stops:
         write_stop(run_stop(stop.scenario), place / stop.name)
-frame = rg.load(folder / "drawn").to_pandas()
-write_frame(frame, folder / "x.parquet")
-stops = read_results(folder / "single").stops
-compared = rg.compare(stops[0], __import__("dataclasses").replace(
-    stops[1], metrics=__import__("dataclasses").replace(stops[1].metrics, comfort=(1.0,) * 4)))
-print(json.dumps({
-    "stop.json": json.loads(next((folder / "single").glob("*/stop.json")).read_text())["metrics"]["comfort"],
-    "frame": frame["comfort[4]"].tolist()[:1],
-    "csv": csv_of(frame).splitlines()[0].split(",").count("comfort[2] [m/s2]"),
-    "parquet": float(pandas.read_parquet(folder / "x.parquet")["comfort[4] [m/s2]"].iloc[0]),
-    "xarray": rg.load(folder / "drawn").to_xarray()["comfort"].dims[-1],
-    "single": write_table(read_results(folder / "single"), folder / "single")[1].read_text(encoding="utf-8"),
-    "drawn": write_table(read_results(folder / "drawn"), folder / "drawn")[1].read_text(encoding="utf-8"),
-    "stop page": [row for row in metrics_table(stops[0].figures).rows if row["figure"] == "comfort"],
-    "comparison": [row["figure"] for row in compared.answer.rows],
-    "compared": stops[0].metrics.compared()["comfort"],
-    "axis": module.FIGURES["comfort"].axis,
-    "reference": __import__("railgrip.trace.metrics", fromlist=["FIGURES"]).FIGURES["comfort"].meaning,
-}))
+
+frame = rg.load(drawn).to_pandas()
+write_frame(frame, drawn / "x.parquet")
+assert frame["comfort[4]"].iloc[0] == pandas.read_parquet(drawn / "x.parquet")["comfort[4] [m/s2]"].iloc[0] == 5.0
+assert csv_of(frame).splitlines()[0].split(",").count("comfort[2] [m/s2]") == 1
+assert rg.load(drawn).to_xarray()["comfort"].dims[-1] == "group"
+tables = [write_table(read_results(place), place)[1].read_text(encoding="utf-8") for place in folders]
+assert "| greatest deceleration, median |" in tables[0]
+assert "| greatest deceleration |" in tables[1]
+assert all("| 5.00 m/s² |" in table for table in tables)
+
+stop, other, *_ = read_results(single).stops
+content = json.loads((single / stop.name / "stop.json").read_text(encoding="utf-8"))
+assert content["metrics"]["comfort"] == [2.0, 3.0, 4.0, 5.0]
+assert stop.metrics.compared()["comfort"] == 5.0
+(row,) = (row for row in metrics_table(stop.figures).rows if row["figure"] == "comfort")
+assert [row["value"], row["unit"]] == ["2, 3, 4, 5", "m/s2"]
+assert row["meaning"] == "greatest deceleration at each group, which passengers feel"
+answer = rg.compare(stop, replace(other, metrics=replace(other.metrics, comfort=(1.0,) * 4))).answer
+assert {f"comfort[{group}]" for group in (1, 2, 3, 4)} <= {row["figure"] for row in answer.rows}
+assert module.FIGURES["comfort"].axis == "discomfort [m/s2]"
 """
 
 
-@pytest.fixture(scope="module")
-def found(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("figure")
+def test_a_new_figure_is_everywhere(tmp_path):
     source = Path(railgrip.trace.metrics.__file__).read_text(encoding="utf-8")
     assert source.count("    # fmt: on\n") == 1
-    (folder / "metrics.py").write_text(source.replace("    # fmt: on\n", FIELD.lstrip("\n")), encoding="utf-8")
-    (folder / "results").mkdir()
-    command = [sys.executable, "-c", PROGRAM, str(folder / "metrics.py"), str(ROOT / "tests"), str(folder / "results")]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, encoding="utf-8")
+    (tmp_path / "metrics.py").write_text(source.replace("    # fmt: on\n", FIELD.lstrip("\n")), encoding="utf-8")
+    (tmp_path / "results").mkdir()
+    done = ran([sys.executable, "-c", PROGRAM, tmp_path / "metrics.py", ROOT / "tests", tmp_path / "results"])
     assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout.splitlines()[-1])
-
-
-def test_a_new_figure_is_everywhere(found):
-    assert found["stop.json"] == [2.0, 3.0, 4.0, 5.0]
-    assert found["frame"] == [5.0]
-    assert found["csv"] == 1
-    assert found["parquet"] == 5.0
-    assert found["xarray"] == "group"
-    assert found["compared"] == 5.0
-    assert found["axis"] == "discomfort [m/s2]"
-    assert {f"comfort[{group}]" for group in (1, 2, 3, 4)} <= set(found["comparison"])
-    (row,) = found["stop page"]
-    assert row == {
-        "figure": "comfort", "value": "2, 3, 4, 5", "unit": "m/s2",
-        "meaning": "greatest deceleration at each group, which passengers feel",
-    }  # fmt: skip
-
-
-def test_it_has_a_column_in_both_tables_of_a_campaign(found):
-    assert "| greatest deceleration |" in found["single"]
-    assert "| 5.00 m/s² |" in found["single"]
-    assert "| greatest deceleration, median |" in found["drawn"]
-    assert "| 5.00 m/s² |" in found["drawn"]
 
 
 def test_a_declaration_is_complete():

@@ -6,7 +6,6 @@ A limit of the file size simulates the disk: the system reports the same error b
 import json
 import os
 import resource
-import subprocess
 import sys
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,7 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from command_line import ran
 from matplotlib.figure import Figure
+from synthetic import COARSE
 from synthetic_runner import run_stop
 
 from railgrip.base.errors import WriteFailed, for_user
@@ -71,7 +72,7 @@ def test_a_failed_write_keeps_the_earlier_file_and_leaves_no_partial_one(tmp_pat
 
 
 def test_a_stop_without_space_for_its_trace_keeps_its_figures_and_is_run_again(tmp_path, disk):
-    scenario = load(WET, ["periods.communication=10 ms", "periods.estimator=10 ms", "periods.controller=10 ms"])
+    scenario = load(WET, COARSE)
     stop = run_stop(scenario)
     write_stop(stop, tmp_path)
     size = (tmp_path / "stop.json").stat().st_size
@@ -112,14 +113,8 @@ main()
 
 def test_the_command_line_exits_with_3_and_the_distance_is_kept(tmp_path):
     """In a separate process, which HDF5 used to crash."""
-    result = subprocess.run(
-        [sys.executable, "-B", "-c", PROGRAM, "9000", "run", str(WET), "--out", "out"],
-        cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    words = ["-B", "-c", PROGRAM, "9000", "run", WET, "--out", "out"]
+    result = ran([sys.executable, *words], tmp_path, PYTHONPATH=f"{ROOT}{os.pathsep}{ROOT / 'tests'}")
     assert result.returncode == 3, result.stderr
     assert [line for line in result.stderr.splitlines() if not line.endswith(" s")] == [
         "out/trace.nc: cannot be written: File too large"
