@@ -74,7 +74,7 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
         ContractBroken: The law violates one of these requirements.
     """
     if isinstance(factory, type) and issubclass(factory, GroupLaw):
-        factory = partial(_StartedFormula, factory)
+        factory = partial(type(factory.__name__, (_StartedFormula,), {}), factory)  # messages have the law's name
     limits_of = cache(DemandLimits)  # common to both runs: the unit of demands is checked once
 
     def rows(law: Controller, formation: Formation) -> Iterator[Row]:

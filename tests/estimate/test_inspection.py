@@ -188,6 +188,14 @@ def test_time_stamps_are_recognised(tmp_path):
     assert inspection.findings[0].end == pytest.approx(9.99)
 
 
+def test_the_command_prints_a_proposal_and_what_it_lacks(tmp_path):
+    (tmp_path / "run.csv").write_text("time [s],ω [rad/s]\n0,1\n1,2\n2,3\n", encoding="utf-8")
+    done = CliRunner().invoke(app, ["inspect", str(tmp_path / "run.csv"), "--for", "rig_own"])
+    assert done.exit_code == 0, done.output
+    assert "ω [rad/s]" in done.stdout
+    assert "Fill in what was not recognised: " in done.stderr
+
+
 def test_the_command_writes_a_file_that_estimate_accepts(tmp_path):
     path, file = written(tmp_path, rig()), tmp_path / "mine.toml"
     result = CliRunner().invoke(app, ["inspect", str(path), "--for", "rig_own", "--out", str(file)])

@@ -19,6 +19,7 @@ from fmpy import simulate_fmu
 from fmpy.validation import validate_fmu
 from sampled_systems import sampled
 
+from railgrip.fmus.native import toolchain
 from railgrip.fmus.native.discrete import sources
 from railgrip.fmus.native.package import FAST_BUILD, as_fmi_3, pack
 from railgrip.fmus.native.package import HEADERS as INCLUDED
@@ -92,3 +93,21 @@ def test_the_same_file_runs_here(packed):
         rows = simulate_fmu(str(path), stop_time=1.0, step_size=0.1, output_interval=0.1, input=signal, output=["y"])
         assert rows["y"][-1] == pytest.approx(20.0)
     assert version in (2, 3)
+
+
+def test_each_library_is_in_the_folder_of_its_platform(tmp_path, monkeypatch, source):
+    """The compiler for other platforms is started here, but compiles nothing, which takes ten seconds."""
+    version, text = source
+    compilers = {}
+
+    def library(files, name, *, target, **options):
+        compilers[target.zig] = toolchain._compiler_for(target).command
+        return target.zig.encode()
+
+    monkeypatch.setattr("railgrip.fmus.native.package.binary", library)
+    file = pack(text, tmp_path / "sum.fmu", platforms=[*TARGETS])
+    with zipfile.ZipFile(file) as archive:
+        for key, target in TARGETS.items():
+            place = f"binaries/{FOLDERS[version].get(key, key)}/{text.identifier}{target.suffix}"
+            assert archive.read(place) == target.zig.encode()
+            assert compilers[target.zig][-2:] == ("-target", target.zig)

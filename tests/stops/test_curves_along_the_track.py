@@ -122,6 +122,20 @@ def test_a_controller_with_the_truth_has_the_curves():
     assert 1.0 < control.metrics.distance / bound.metrics.distance < 1.05
 
 
+def test_the_bound_is_between_those_of_its_curves():
+    """From 20 km/h, as the tracking stop, whose law knows the curve under each wheelset."""
+    mixed = (PATCH, "adhesion.polach_of_wheelset=['leaf', 'leaf', 'dry', 'dry', 'dry', 'dry']")
+    distances = [
+        run_stop(scenario("start.speed=20 km/h", f"controller.kind={kind}", "estimator.kind=none", *lying, *COARSE))
+        .metrics.distance
+        for kind, lying in (
+            ("ideal_bound", ("adhesion.polach=dry",)), ("ideal_bound", mixed), ("ideal_tracking", mixed),
+            ("ideal_bound", (ALL_LEAF,)),
+        )
+    ]  # fmt: skip
+    assert distances == sorted(distances)
+
+
 def test_an_onboard_unknown_error_of_the_creep_curve_scales_all_curves():
     vehicle = VehicleData(scenario(PATCH, "truth.creep={k_A=0.5}"))
     assert vehicle.curves.tolist() == [[0.5, 0.4, 0.4, 0.6], [0.02, 0.015, 0.5, 0.1]]

@@ -95,13 +95,21 @@ def test_a_formula_stops_as_the_same_law_in_python_and_its_parameters_have_units
     assert stop.metrics.distance == in_python.metrics.distance
 
 
+def vented():
+    return law(lambda _, tuning, group: full_if(group.slip < tuning["threshold"], group), tuning=tuning(NOTED, 0.15))
+
+
+def test_a_formula_satisfies_the_contract_of_controllers():
+    rg.testing.check_controller(vented())
+    with pytest.raises(rg.testing.ContractBroken, match=r"Own\.decide .* returned \[nan"):
+        rg.testing.check_controller(law(lambda _, __, group: group.slip * 1e9))
+
+
 def test_a_sweep_changes_the_parameters_of_a_formula():
-    vented = law(lambda _, tuning, group: full_if(group.slip < tuning["threshold"], group), tuning=tuning(NOTED, 0.15))
-    rg.testing.check_controller(vented)
     axes = {"controller.parameters.threshold": [0.05, 0.1]}
     distances = [
         rg.sweep(rg.Scenario.load("trapezoid"), axes, controller=each).to_pandas()["distance"].tolist()
-        for each in (vented, ThresholdInPython)
+        for each in (vented(), ThresholdInPython)
     ]
     assert distances[0] == distances[1]
 

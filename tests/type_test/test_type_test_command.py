@@ -140,6 +140,8 @@ def test_a_wrong_name_is_refused_in_one_sentence(tmp_path, capsys):
     assert "--train nothing: is neither a scenario" in capsys.readouterr().err
     assert run("--case", "9", "--out", str(tmp_path)) == 2
     assert "there is no such case" in capsys.readouterr().err
+    assert run("--controller", "mine:Law", "--out", str(tmp_path)) == 2
+    assert "[controller] kind mine:Law: the module mine cannot be imported" in capsys.readouterr().err
 
 
 def test_an_entrant_is_a_law_a_scenario_an_fmu_or_a_class(tmp_path):

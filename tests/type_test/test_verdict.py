@@ -127,6 +127,10 @@ def test_a_law_that_lacks_cases_of_a_rail_is_not_recommended_there():
     assert "two_maxima" in str(rows["cleaned by nothing"])
 
 
+def test_without_a_law_in_a_compared_case_none_is_called_best():
+    assert verdict(judged({"slip_three_state": lambda case: math.nan})).endswith("no law can be called best.")
+
+
 def test_a_law_that_was_run_in_fewer_than_half_of_the_cases_is_not_ranked():
     few = {case.name for case in DESIGN[:20]}
     stops = judged({"two_maxima": lambda case: 80.0 if case.name in few else None, "slope_seeking": lambda _: 90.0})
