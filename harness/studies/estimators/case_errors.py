@@ -7,7 +7,6 @@ the same errors: one coordinate search on training cases, with the same budget f
 import hashlib
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import Final
@@ -125,11 +124,12 @@ EstimatorCase = tuple[RecordingCase, str, tuple[tuple[str, float], ...]]
 """A recording, the name of an estimator, and the best constants: target → value."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CaseErrors:
-    """Errors of an estimator in a recording above 10 km/h; NaN if they do not exist, None if the filter diverged.
+def errors_of(case: EstimatorCase) -> JsonObject:
+    """Run an estimator over a recording and return its errors above 10 km/h by name; NaN if they do not exist.
 
-    Attributes:
+    After a divergence there are only `digest`, `diverged` and `pads`, which is NaN.
+
+    Returns:
         digest: SHA-256 of the readings, equal for all estimators.
         diverged: Whether the filter diverged.
         rmse: Target → root mean square error over all groups.
@@ -146,30 +146,6 @@ class CaseErrors:
         nis: Median of the normalised innovation squared over its expected one.
         microseconds: Processor time of a step [µs].
     """
-
-    digest: str
-    diverged: bool = False
-    rmse: dict[str, float] | None = None
-    bias: float | None = None
-    delay: float | None = None
-    step_delay: float | None = None
-    lost: float | None = None
-    admitted: float | None = None
-    coverage: dict[str, float] | None = None
-    width: float | None = None
-    pads: tuple[float, ...]
-    available: dict[str, float] | None = None
-    nees: float | None = None
-    nis: float | None = None
-    microseconds: float | None = None
-
-    def to_plain(self) -> JsonObject:
-        """Return the errors that the filter has as JSON values."""
-        return {name: value for name, value in asdict(self).items() if value is not None}
-
-
-def errors_of(case: EstimatorCase) -> CaseErrors:
-    """Run an estimator over a recording and return its errors."""
     recording_case, estimator, constants = case
     if is_class(estimator):
         trace = trace_with_class(recording_case, estimator)
@@ -178,10 +154,10 @@ def errors_of(case: EstimatorCase) -> CaseErrors:
         run = _constant(recording_case, dict(constants)) if estimator == CONSTANT else replay(recording_case, estimator)
     except FilterDiverged:
         digest = _digest(recording_of_case(recording_case))
-        return CaseErrors(digest=digest, diverged=True, pads=(math.nan,) * recording_case.groups)
+        return {"digest": digest, "diverged": True, "pads": (math.nan,) * recording_case.groups}
     trace = with_estimates(recording_case, estimator, run)
     errors = _judge(case, trace, nis=run.nis_ratio, microseconds=run.microseconds)
-    return replace(errors, step_delay=math.nan) if estimator == CONSTANT else errors
+    return errors | {"step_delay": math.nan} if estimator == CONSTANT else errors
 
 
 def _digest(trace: xarray.Dataset) -> str:
@@ -196,27 +172,28 @@ def _constant(case: RecordingCase, constants: Mapping[str, float]) -> FilterRun:
     return FilterRun(mean=mean, variance=np.full(mean.shape, math.nan))
 
 
-def _judge(case: EstimatorCase, trace: xarray.Dataset, nis: float | None, microseconds: float) -> CaseErrors:
+def _judge(case: EstimatorCase, trace: xarray.Dataset, nis: float | None, microseconds: float) -> JsonObject:
     adhesion = adhesion_errors(trace)
     errors = {target: errors_of_target(trace, target) for target in TARGETS}
     error, deviation = errors["adhesion"]
     is_lost = np.abs(error) > LOST
-    return CaseErrors(
-        digest=_digest(trace),
-        rmse={target: rms(error) if error.size else math.nan for target, (error, _) in errors.items()},
-        bias=_mean(adhesion.get("adhesion_bias")),
-        delay=_mean(adhesion.get("adhesion_delay")),
-        step_delay=step_delay(trace),
-        lost=float(np.mean(is_lost)) if error.size else math.nan,
-        admitted=coverage(error[is_lost], deviation[is_lost], NORMAL_95),
-        coverage={target: coverage(*pair, NORMAL_95) for target, pair in errors.items()},
-        width=2.0 * NORMAL_95 * float(np.median(deviation)) if deviation.size else math.nan,
-        pads=_errors_of_groups(trace, case[0]),
-        available=available_errors(trace, dict(case[2]).get("available", math.nan), NORMAL_95),
-        nees=_mean(adhesion.get("adhesion_nees")),
-        nis=math.nan if nis is None else nis,
-        microseconds=microseconds,
-    )
+    return {
+        "digest": _digest(trace),
+        "diverged": False,
+        "rmse": {target: rms(error) if error.size else math.nan for target, (error, _) in errors.items()},
+        "bias": _mean(adhesion.get("adhesion_bias")),
+        "delay": _mean(adhesion.get("adhesion_delay")),
+        "step_delay": step_delay(trace),
+        "lost": float(np.mean(is_lost)) if error.size else math.nan,
+        "admitted": coverage(error[is_lost], deviation[is_lost], NORMAL_95),
+        "coverage": {target: coverage(*pair, NORMAL_95) for target, pair in errors.items()},
+        "width": 2.0 * NORMAL_95 * float(np.median(deviation)) if deviation.size else math.nan,
+        "pads": _errors_of_groups(trace, case[0]),
+        "available": available_errors(trace, dict(case[2]).get("available", math.nan), NORMAL_95),
+        "nees": _mean(adhesion.get("adhesion_nees")),
+        "nis": math.nan if nis is None else nis,
+        "microseconds": microseconds,
+    }
 
 
 def step_delay(trace: xarray.Dataset) -> float:

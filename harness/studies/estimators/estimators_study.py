@@ -1,10 +1,10 @@
 """How well adhesion can be known: the options, page, tables and headline numbers of the study."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Final, NamedTuple
+from typing import Annotated, Final
 
 import numpy as np
 import pandas
@@ -16,12 +16,10 @@ from railgrip.base.registry import shelf
 from railgrip.base.tables import JsonObject
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding, mean
-from railgrip.report.frame import Frame
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
 from railgrip.scenario.file import is_file, locate
 from railgrip.studies.estimators.case_errors import (
-    CaseErrors,
     SearchCase,
     bounds_of,
     errors_of,
@@ -112,7 +110,7 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
         design = recording_cases(count, SEEDS["sealed" if self.sealed else "test"], train)
         results = judge(work, design, recording_cases(count, SEEDS["training"], train), names)
         bounds = work.map(bounds_of, design)
-        bound, frame = float(np.median([adhesion for adhesion, _ in bounds])), frame_of(results)
+        bound, frame = float(np.median([adhesion for adhesion, _ in bounds])), pandas.json_normalize(results)
         ranked = rank_estimators(frame)
         tables = {
             "leaderboard": leaderboard(ranked),
@@ -142,7 +140,7 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
             | {"count": count, "bound": f"{bound:.4f}", "train": Path(train).stem if train else ""}
             | {"limits": model_of_estimator("fmu", train).limits},
             tables={f"{name}.csv": table for name, table in tables.items()},
-            data={"estimators.json": [each.to_plain() for each in results]},
+            data={"estimators.json": results},
             documented=tables,
             screen=tuple(tables.values()),
         )
@@ -237,7 +235,7 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
         """Return errors of adhesion of references and fast filters in two recordings, and the coverage of the EKF."""
         names = (*REFERENCES, "fmu", "interacting", "disturbance_observer", "disturbed")
         design = recording_cases(2, SEEDS["test"])
-        frame = frame_of(judge(work, design, recording_cases(2, SEEDS["training"]), names))
+        frame = pandas.json_normalize(judge(work, design, recording_cases(2, SEEDS["training"]), names))
         errors = frame.groupby("estimator", sort=False).agg({"rmse.adhesion": "mean", "coverage.adhesion": "mean"})
         return [
             *(
@@ -254,29 +252,12 @@ def vehicles_of(work: Work) -> ReportTable:
     return vehicles(pandas.concat(found))
 
 
-class Judged(NamedTuple):
-    """The errors of an estimator in a case."""
-
-    case: RecordingCase
-    estimator: str
-    errors: CaseErrors
-
-    def to_plain(self) -> JsonObject:
-        """Return the name of the case, its families, the name of the estimator and the errors as JSON values."""
-        about = {"case": self.case.stop.name, "over": self.case.over}
-        families = {field: family_of(self.case, field) for field in FAMILIES}
-        return about | families | {"estimator": name_of(self.estimator)} | self.errors.to_plain()
-
-
-def frame_of(results: Iterable[Judged]) -> Frame:
-    """Return a row for each result, with the keys of `Judged.to_plain` as columns, nested ones joined by a dot."""
-    return pandas.json_normalize([each.to_plain() for each in results])
-
-
 def judge(
     work: Work, design: Sequence[RecordingCase], training: Sequence[RecordingCase], names: Sequence[str]
-) -> list[Judged]:
-    """Return the errors of each estimator in each case; the best constants are those of the training set.
+) -> list[JsonObject]:
+    """Return for each estimator and case their names, its families, and the errors; see `errors_of`.
+
+    The best constants are those of the training set.
 
     Raises:
         InputError: Two estimators did not get the same readings.
@@ -292,9 +273,16 @@ def judge(
     errors = [*work.map(errors_of, built_in), *work.map(errors_of, own, keep=False)]
     found = dict(zip([(case, name) for case, name, _ in (*built_in, *own)], errors, strict=True))
     for case in design:
-        if len({found[case, name].digest for name in names}) > 1:
+        if len({found[case, name]["digest"] for name in names}) > 1:
             raise InputError(f"case {case.stop.name}: the estimators did not get the same readings.")
-    return [Judged(case, name, found[case, name]) for name in names for case in design]
+    return [
+        {"case": case.stop.name, "over": case.over}
+        | {field: family_of(case, field) for field in FAMILIES}
+        | {"estimator": name_of(name)}
+        | found[case, name]
+        for name in names
+        for case in design
+    ]
 
 
 STUDY = Estimators

@@ -69,8 +69,8 @@ def rank_estimators(frame: Frame) -> Frame:
     minus the mean squared error over that of the reference, and `interval` that of the skill over the force balance.
 
     Args:
-        frame: A row for each estimator and case: `estimator`, `case`, and the fields of `CaseErrors`, nested names
-            joined by a dot.
+        frame: A row for each estimator and case: `estimator`, `case`, and what `errors_of` returns, nested names joined
+            by a dot.
     """
     frame = on_common(frame.assign(error=_endless(frame)), "estimator", ["case"], "error")
     rows: list[tuple[str | float, ...]] = []
