@@ -71,12 +71,19 @@ class Tuning(Parameters):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetSlipTuning(Tuning):
-    """Parameters of a law that moves its set slip; it seeks the peak between `slip_least` and `slip_most`."""
+    """Parameters of a law that moves its set slip; it seeks the peak between `slip_least` and `slip_most`.
+
+    `adhesion_small`: wheels that hardly brake carry no information on the rail.
+    """
 
     period: Annotated[float, "s", "between two decisions"]
     slip_start: Annotated[float, "1", "set slip at the start"]
     slip_least: Annotated[float, "1", "smallest set slip"] = 0.005
     slip_most: Annotated[float, "1", "largest set slip"] = 0.3
+    gain: Annotated[float, "1", "share of the full pressure for an error as large as the set slip"]
+    integral_time: Annotated[float, "s", "after which the integral term equals the proportional one"]
+    adhesion_small: Annotated[float, "1", "estimated adhesion below which the set slip stays"] = 0.01
+    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
 
     ORDER: ClassVar[tuple[str, ...]] = ("slip_least <= slip_start <= slip_most < 1",)
 

@@ -93,7 +93,65 @@ class DecelerationControl(SlopeSeeking):
     @classmethod
     def demands(cls, draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:
         """Return the demanded pressure of each group [Pa]."""
-        return _controlled(draft, train, tuning, super().demands(draft, tuning, train))
+        protected, t = super().demands(draft, tuning, train), tuning
+        period, managed, highest = t["period"], t["managed"] > 0.5, t["adhesion_max"]
+        speed, loads = ca.fmax(train[0].speed, 0.0), [group.brake["load"] for group in train]
+        load = sum(loads)
+        demanded, emergency = _demanded(draft, train, t, speed, load)
+        braking = either(demanded > 0.0, emergency)
+
+        # The utilisation of the last call, because that of this call depends on the demand.
+        used = draft.state("used", "1", "demanded over available adhesion")
+        strain = (used - t["utilisation_sand"]) / (t["utilisation_full"] - t["utilisation_sand"])
+        intended = demanded * (1.0 + choose(managed, t["reserve"] * within(strain, 0.0, 1.0), 0.0))
+        integral = draft.state("integral", "m/s2", "correction of the demanded deceleration")
+        adhesion = within((intended + integral) / _G, 0.0, highest)
+
+        alone = [_pressure(group, adhesion) for group in train]
+        limited = [
+            either(most < p, p >= _FULL * group.brake["pressure_max"])
+            for group, p, most in zip(train, alone, protected, strict=True)
+        ]
+        available = [
+            choose(is_limited, within(group.adhesion, 0.0, highest), highest)
+            for group, is_limited in zip(train, limited, strict=True)
+        ]
+        lacks = sum(w * ca.fmax(adhesion - a, 0.0) for w, a in zip(loads, available, strict=True))
+        free = sum(choose(is_limited, 0.0, w) for is_limited, w in zip(limited, loads, strict=True))
+        possible = sum(w * a for w, a in zip(loads, available, strict=True)) / load
+        lacking = _follow(draft, ("lacking", "N", "force that limited groups lack, filtered"),
+                          choose(braking, lacks, 0.0), T_REDISTRIBUTION, period)  # fmt: skip
+        more = choose(managed, lacking / ca.fmax(free, 1e-3 * load), 0.0)
+
+        reachable = choose(managed, ca.fmin(intended, _G * possible - integral), intended)
+        expected = _follow(
+            draft,
+            ("expected", "m/s2", "deceleration expected after the response of the brake"),
+            choose(braking, reachable, 0.0),
+            t["response_time"],
+            period,
+        )
+        lowered = draft.state("lowered", "1", "1 while magnets are demanded")
+        # The force of magnets is not known.
+        steady = every(braking, ca.logic_not(emergency), speed > _CREEPING, lowered < 0.5)
+        moved = integral + t["integral_gain"] * (expected + train[0].acceleration) * period
+        draft.keep(integral, choose(steady, within(moved, -t["integral_max"], t["integral_max"]), integral))
+
+        ratio = choose(every(braking, speed > _CREEPING), adhesion / ca.fmax(possible, 1e-3), used)
+        time = choose(ratio > used, t["utilisation_rise"], t["utilisation_fall"])
+        now = used + period / (time + period) * (ratio - used)
+        draft.keep(used, now)
+        draft.show("utilisation", "1", "demanded over available adhesion of the train", now)
+        useful = every(speed > t["sand_speed"], either(now > t["utilisation_sand"], ca.logic_not(managed)))
+        draft.show("sand", "1", "1 while sand is demanded", choose(either(emergency, every(braking, useful)), 1.0, 0.0))
+        fails = demanded > _G * possible * choose(lowered > 0.5, _ENOUGH, 1.0)
+        lowering = choose(either(emergency, every(managed, braking, fails)), 1.0, 0.0)
+        draft.keep(lowered, lowering)
+        draft.show("magnets", "1", "1 while magnetic track brakes are demanded", lowering)
+
+        pressures = [_pressure(group, adhesion + more) for group in train]
+        controlled = [choose(braking, ca.fmin(p, most), 0.0) for p, most in zip(pressures, protected, strict=True)]
+        return [choose(emergency, most, p) for p, most in zip(controlled, protected, strict=True)]
 
 
 _G = 9.81
@@ -101,72 +159,6 @@ _NEAREST = 0.25  # m; the deceleration to a nearer target would be noise
 _CREEPING = 1.0  # m/s, below which integral and utilisation stay: the jerk of the halt is not an error of the brakes
 _FULL = 0.99  # share of full pressure from which the driver demands full brake
 _ENOUGH = 0.7  # share of the possible deceleration below which magnets are lifted
-
-
-def _controlled(
-    draft: FormulaBuilder,
-    train: Sequence[GroupObservation],
-    t: Symbols,
-    protected: Sequence[Expression],
-) -> list[Expression]:
-    """Return the demand of each group, given those of its slide protection."""
-    period, managed, highest = t["period"], t["managed"] > 0.5, t["adhesion_max"]
-    speed, loads = ca.fmax(train[0].speed, 0.0), [group.brake["load"] for group in train]
-    load = sum(loads)
-    demanded, emergency = _demanded(draft, train, t, speed, load)
-    braking = either(demanded > 0.0, emergency)
-
-    # The utilisation of the last call, because that of this call depends on the demand.
-    used = draft.state("used", "1", "demanded over available adhesion")
-    strain = (used - t["utilisation_sand"]) / (t["utilisation_full"] - t["utilisation_sand"])
-    intended = demanded * (1.0 + choose(managed, t["reserve"] * within(strain, 0.0, 1.0), 0.0))
-    integral = draft.state("integral", "m/s2", "correction of the demanded deceleration")
-    adhesion = within((intended + integral) / _G, 0.0, highest)
-
-    alone = [_pressure(group, adhesion) for group in train]
-    limited = [
-        either(most < p, p >= _FULL * group.brake["pressure_max"])
-        for group, p, most in zip(train, alone, protected, strict=True)
-    ]
-    available = [
-        choose(is_limited, within(group.adhesion, 0.0, highest), highest)
-        for group, is_limited in zip(train, limited, strict=True)
-    ]
-    lacks = sum(w * ca.fmax(adhesion - a, 0.0) for w, a in zip(loads, available, strict=True))
-    free = sum(choose(is_limited, 0.0, w) for is_limited, w in zip(limited, loads, strict=True))
-    possible = sum(w * a for w, a in zip(loads, available, strict=True)) / load
-    lacking = _follow(draft, ("lacking", "N", "force that limited groups lack, filtered"),
-                      choose(braking, lacks, 0.0), T_REDISTRIBUTION, period)  # fmt: skip
-    more = choose(managed, lacking / ca.fmax(free, 1e-3 * load), 0.0)
-
-    reachable = choose(managed, ca.fmin(intended, _G * possible - integral), intended)
-    expected = _follow(
-        draft,
-        ("expected", "m/s2", "deceleration expected after the response of the brake"),
-        choose(braking, reachable, 0.0),
-        t["response_time"],
-        period,
-    )
-    lowered = draft.state("lowered", "1", "1 while magnets are demanded")
-    # The force of magnets is not known.
-    steady = every(braking, ca.logic_not(emergency), speed > _CREEPING, lowered < 0.5)
-    moved = integral + t["integral_gain"] * (expected + train[0].acceleration) * period
-    draft.keep(integral, choose(steady, within(moved, -t["integral_max"], t["integral_max"]), integral))
-
-    ratio = choose(every(braking, speed > _CREEPING), adhesion / ca.fmax(possible, 1e-3), used)
-    now = used + period / (choose(ratio > used, t["utilisation_rise"], t["utilisation_fall"]) + period) * (ratio - used)
-    draft.keep(used, now)
-    draft.show("utilisation", "1", "demanded over available adhesion of the train", now)
-    useful = every(speed > t["sand_speed"], either(now > t["utilisation_sand"], ca.logic_not(managed)))
-    draft.show("sand", "1", "1 while sand is demanded", choose(either(emergency, every(braking, useful)), 1.0, 0.0))
-    fails = demanded > _G * possible * choose(lowered > 0.5, _ENOUGH, 1.0)
-    lowering = choose(either(emergency, every(managed, braking, fails)), 1.0, 0.0)
-    draft.keep(lowered, lowering)
-    draft.show("magnets", "1", "1 while magnetic track brakes are demanded", lowering)
-
-    pressures = [_pressure(group, adhesion + more) for group in train]
-    controlled = [choose(braking, ca.fmin(p, most), 0.0) for p, most in zip(pressures, protected, strict=True)]
-    return [choose(emergency, most, p) for p, most in zip(controlled, protected, strict=True)]
 
 
 def _demanded(

@@ -13,19 +13,12 @@ from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, ch
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExtremumSeekingTuning(SetSlipTuning):
-    """Parameters of extremum seeking.
-
-    `adhesion_small`: wheels that hardly brake carry no information on the rail.
-    """
+    """Parameters of extremum seeking."""
 
     dither: Annotated[float, "1", "amplitude of the dither over the set slip"]
     frequency: Annotated[float, "Hz", "of the dither"]
     washout_time: Annotated[float, "s", "time constant of the high-pass over the adhesion"]
     climb: Annotated[float, "1/s", "relative rate of the set slip for an elasticity of 1"]
-    gain: Annotated[float, "1", "share of the full pressure for an error as large as the set slip"]
-    integral_time: Annotated[float, "s", "after which the integral term equals the proportional one"]
-    adhesion_small: Annotated[float, "1", "estimated adhesion below which there is no gradient to follow"] = 0.01
-    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
 
     LAW: ClassVar[str] = "ExtremumSeeking"
     POSITIVE: ClassVar[frozenset[str]] = frozenset(

@@ -10,18 +10,11 @@ from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, ch
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PerturbObserveTuning(SetSlipTuning):
-    """Parameters of perturb and observe.
-
-    `adhesion_small`: a wheel that is hardly braked carries no information on the rail.
-    """
+    """Parameters of perturb and observe."""
 
     step: Annotated[float, "1", "relative change of the set slip in a step"]
     interval: Annotated[float, "s", "between two steps"]
     settling: Annotated[float, "1", "share of the interval after a step in which adhesion is not averaged", 0.9] = 0.5
-    gain: Annotated[float, "1", "share of the full pressure for a relative slip error of 1"]
-    integral_time: Annotated[float, "s", "time constant of the integral part"]
-    adhesion_small: Annotated[float, "1", "estimated adhesion below which the set slip stays"] = 0.01
-    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
 
     LAW: ClassVar[str] = "PerturbObserve"
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip_start", "slip_least", "interval", "integral_time"})

@@ -17,7 +17,7 @@ class RecursiveSlopeTuning(SetSlipTuning):
     """Parameters of tracking by recursive least squares.
 
     `covariance_max` limits the growth of the covariance while the slip
-    does not change. `adhesion_small`: wheels that hardly brake carry no information on the rail.
+    does not change.
     """
 
     washout_time: Annotated[float, "s", "time constant of the high-pass of slip and adhesion"]
@@ -26,10 +26,6 @@ class RecursiveSlopeTuning(SetSlipTuning):
     dither: Annotated[float, "1", "relative amplitude of the excitation of the set slip"]
     frequency: Annotated[float, "Hz", "of the excitation"] = 1.0
     climb: Annotated[float, "1/s", "relative rate of the set slip for an elasticity of 1"]
-    gain: Annotated[float, "1", "share of the full pressure for a relative slip error of 1"]
-    integral_time: Annotated[float, "s", "time constant of the integral part"]
-    adhesion_small: Annotated[float, "1", "estimated adhesion below which the set slip stays"] = 0.01
-    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
 
     LAW: ClassVar[str] = "RecursiveSlope"
     POSITIVE: ClassVar[frozenset[str]] = frozenset(

@@ -263,38 +263,21 @@ def _try(
         leads.append(choose(begins, is_first, lead))
         draft.keep(lead, leads[-1])
     is_lead = [lead > 0.5 for lead in leads]
-    response = _response(draft, train, t, trial, begins, compared, is_lead)
+    own, behind, reached, enough = _response(draft, train, t, trial, begins, compared, is_lead)
     period = t["period"]
     settled = draft.state("settled", "s", "time since the first group reached its slip")
     waited = draft.state("waited", "s", "time for which enough groups have been at places that it has slipped over")
     elapsed = draft.state("elapsed", "s", "time since the trial began")
-    draft.keep(settled, choose(begins, 0.0, settled + choose(response.reached, period, 0.0)))
-    draft.keep(waited, choose(begins, 0.0, waited + choose(response.enough, period, 0.0)))
+    draft.keep(settled, choose(begins, 0.0, settled + choose(reached, period, 0.0)))
+    draft.keep(waited, choose(begins, 0.0, waited + choose(enough, period, 0.0)))
     draft.keep(elapsed, choose(begins, 0.0, elapsed + period))
-    behind = either(response.own + response.behind > t["response_least"], response.behind > t["response_behind"])
-    by_behind = every(response.enough, waited > t["trial_mean"], behind)
-    by_own = every(settled > 2.0 * t["trial_mean"], response.own > t["response_own"])
+    gains = either(own + behind > t["response_least"], behind > t["response_behind"])
+    by_behind = every(enough, waited > t["trial_mean"], gains)
+    by_own = every(settled > 2.0 * t["trial_mean"], own > t["response_own"])
     succeeds = every(trial > 0.5, either(by_behind, by_own))
     over = either(waited > t["trial_wait"], elapsed > t["trial_longest"])
     fails = every(trial > 0.5, over, ca.logic_not(succeeds))
     return succeeds, fails, is_lead
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Response:
-    """Changes of ln(adhesion) in a trial, without those that all groups have.
-
-    Attributes:
-        own: Change of the first group.
-        behind: Mean change of the groups behind that are at places that it has slipped over.
-        reached: Whether the first group has reached its slip.
-        enough: Whether `_WITNESSES` groups, or all that the rail limited before the trial, are at these places.
-    """
-
-    own: Expression
-    behind: Expression
-    reached: Expression
-    enough: Expression
 
 
 def _response(
@@ -305,8 +288,12 @@ def _response(
     begins: Expression,
     compared: GroupAdvantage,
     is_lead: Sequence[Expression],
-) -> Response:
-    """Return the changes of adhesion since the trial began.
+) -> tuple[Expression, Expression, Expression, Expression]:
+    """Return the changes of ln(adhesion) since the trial began, without those that all groups have.
+
+    These are the change of the first group, and the mean change of the groups behind that are at places that it has
+    slipped over; then whether the first group has reached its slip, and whether `_WITNESSES` groups, or all that the
+    rail limited before the trial, are at these places.
 
     A group that the brake limits at the cleaned places gains at least what it shows. Friction that varies over time
     changes the groups that have not reached these places, too: the smaller one of a change and its difference to
@@ -350,12 +337,7 @@ def _response(
     number = sum(choose(other, 1.0, 0.0) for other in others)
     count = sum(choose(each, 1.0, 0.0) for each in inside)
     draft.show("response", "1", "ln(adhesion) in a trial: change of the first group and of those behind", own + behind)
-    return Response(
-        own=own,
-        behind=behind,
-        reached=start > 0.0,
-        enough=count >= ca.fmin(number, _WITNESSES),
-    )
+    return own, behind, start > 0.0, count >= ca.fmin(number, _WITNESSES)
 
 
 _POSITION = "distance of the group behind the leading wheelset"
