@@ -69,12 +69,8 @@ def keep(kind: str, key: str, name: str, content: bytes) -> Path:
     Raises:
         InputError: The cache cannot be written, or other users can write to it.
     """
-    place = folder() / kind / key / _digest(content)
+    place = private_folder(kind, key, _digest(content))
     try:
-        folder().parent.mkdir(parents=True, exist_ok=True)
-        for above in _down_to(place):
-            above.mkdir(mode=0o700, exist_ok=True)
-            _require_private(above)
         # Moved into place as a whole: other processes may be reading the file, or have loaded the one that is replaced.
         number, half = tempfile.mkstemp(dir=place)
         try:
@@ -114,16 +110,16 @@ def one_maker(kind: str, key: str, what: str) -> Generator[None]:
         yield
 
 
-def private_folder(kind: str, key: str) -> Path:
-    """Return the folder of a key, which exists and in which only this user can write.
+def private_folder(*names: str) -> Path:
+    """Return a folder of the cache, such as kind/key, which exists and in which only this user can write.
 
     Raises:
         InputError: The cache cannot be written, or other users can write to it.
     """
-    place = folder() / kind / key
+    place = folder().joinpath(*names)
     try:
         folder().parent.mkdir(parents=True, exist_ok=True)
-        for above in (folder(), place.parent, place):
+        for above in _down_to(place):
             above.mkdir(mode=0o700, exist_ok=True)
             _require_private(above)
     except OSError as error:
@@ -161,7 +157,8 @@ def _cannot_write(place: Path, error: OSError) -> InputError:
 
 
 def _down_to(place: Path) -> tuple[Path, ...]:
-    return (*reversed(place.parents[:3]), place)
+    depth = len(place.relative_to(folder()).parts)
+    return (*reversed(place.parents[:depth]), place)
 
 
 def _require_private(place: Path) -> None:
