@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.arrays import Mask, Vector
 from railgrip.estimation.judgement import errors
+from railgrip.recording.faults import intervals
 from railgrip.recording.samples import evenly, period_of, reading_of, truth_of, with_signals
 from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
@@ -111,8 +112,7 @@ def _in_deep_slide(recording: xarray.Dataset) -> Mask:
 
 
 def _stretches(mask: Mask) -> NDArray[np.intp]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
-    return edges[1::2] - edges[::2]
+    return np.array([last - first + 1 for first, last in intervals(mask)], dtype=np.intp)
 
 
 def points_of_slide(recording: xarray.Dataset, contact: Contact) -> dict[str, tuple[Vector, Vector]]:

@@ -129,17 +129,6 @@ def _columns(
         if column.minimum is not None:
             values = np.maximum(values, _si(f"[data.columns] {name} minimum", column.minimum, target))
         converted[name] = time, np.where(np.abs(values) < _LARGEST, values, np.nan), unit_of_column
-    return _clean(path, table, units, inputs, converted, flags)
-
-
-def _clean(
-    path: Path,
-    table: DataTable,
-    units: Mapping[str, str],
-    inputs: Sequence[str],
-    converted: Mapping[str, tuple[Vector, Vector, str]],
-    flags: list[Flag],
-) -> dict[str, _Samples]:
     # A reference is not a sensor: its samples are not judged.
     measured = {name: samples for name, samples in converted.items() if not name.startswith(TRUTH)}
     treatments = {name: _treatment(name, table.columns[name], table, units[name], name in inputs) for name in measured}
@@ -149,7 +138,7 @@ def _clean(
     flags += found
     columns: dict[str, _Samples] = {}
     for name, (time, values, unit_of_column) in converted.items():
-        column, is_number = table.columns[name], np.isfinite(values)
+        is_number = np.isfinite(values)
         file_time = time[is_number]
         if name.startswith(TRUTH):
             time, values = file_time, values[is_number]
@@ -161,7 +150,7 @@ def _clean(
             flags += changes
         if time.size < 2:
             raise EstimationError(
-                f"{path.name}: {name} (column {short(column.column)}) has {time.size} usable samples."
+                f"{path.name}: {name} (column {short(table.columns[name].column)}) has {time.size} usable samples."
                 + "".join(f" {flag}" for flag in flags if flag.signal == name)
             )
         columns[name] = _Samples(time, values, file_time, unit_of_column)

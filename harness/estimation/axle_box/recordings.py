@@ -264,24 +264,22 @@ def _why(box: str, record: FileRecording) -> str:
     return f" ({', '.join(kinds)})" if kinds else ""
 
 
-def _rows(file: Path, columns: tuple[str, ...]) -> list[Mapping[str, str]]:
+def _rows(file: Path, columns: tuple[str, ...]) -> Sequence[Mapping[str, str]]:
     try:
-        with StringIO(read_text(file, LARGEST_TABLE)) as stream:
-            rows = csv.DictReader(stream, skipinitialspace=True)
-            header = [name.strip() for name in rows.fieldnames or ()]
-            rows.fieldnames = header
-            missing = [name for name in columns if name not in header]
-            if missing:
-                raise EstimationError(
-                    f"{file}: it has no column {', '.join(missing)}; it has {', '.join(header) or 'no header'}."
-                )
-            return list(rows)
-    except EstimationError:
-        raise
+        table = csv.DictReader(StringIO(read_text(file, LARGEST_TABLE)), skipinitialspace=True)
+        header = [name.strip() for name in table.fieldnames or ()]
+        table.fieldnames = header
+        rows = list(table)
     except InputError as problem:
         raise EstimationError(f"{problem}.") from problem
     except csv.Error as problem:
         raise EstimationError(f"{file}: is not a table of labels: {problem}.") from problem
+    missing = [name for name in columns if name not in header]
+    if missing:
+        raise EstimationError(
+            f"{file}: it has no column {', '.join(missing)}; it has {', '.join(header) or 'no header'}."
+        )
+    return rows
 
 
 def _number(file: Path, line: int, column: str, text: str | None) -> float:
