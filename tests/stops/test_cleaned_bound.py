@@ -1,14 +1,13 @@
 """The ideal bound where slip cleans the rail: against dynamic programming, the plant, and stops on random rails."""
 
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray
 from sampling import sample
+from synthetic import LIBRARY
 
-import railgrip.scenario
 from railgrip.scenario.file import merge
 from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.surface import Recovery
@@ -18,7 +17,6 @@ from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.trace.bound import peak
 
-LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 WRITTEN = "adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='1.9e-4 m/J'}"
 COARSE = {"periods": dict.fromkeys(("communication", "estimator", "controller", "trace"), "10 ms")}
 """Of the bound, whose distance hardly depends on the grid (test_ideal_bound.py)."""

@@ -1,23 +1,17 @@
 """Demands of the driver through brake pipe and wire: graduated steps, release, re-application, and reservoirs."""
 
-import json
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 from braked import dry
+from small_train import COUPLED, dynamic_brake, halved, with_constant_friction
 
-from railgrip import cli
 from railgrip.base.errors import ScenarioError
 from railgrip.rolling_stock.check import findings
 from railgrip.rolling_stock.schema import load_train
 from railgrip.simulate.run import run_stop
 
-# Coupled axles halve the build time of a plant and have no effect on its air.
-TRAIN = (Path(cli.__file__).parent / "templates" / "train.toml").read_text(encoding="utf-8").replace(
-    "coupled = false", "coupled = true"
-)  # fmt: skip
 FULL, FREE = 3.2e5, 101325.0  # Pa
 UNITS = 8  # of a car: two bogies of two axles with two units each
 CYLINDER = 3e-3  # m3, of a unit
@@ -25,11 +19,10 @@ CYLINDER = 3e-3  # m3, of a unit
 
 def write(folder, name, *, command=None, air="", second=True):
     """Write the file of a train; one with a second car has a single bogie there, which is also built sooner."""
-    begin, end, last = TRAIN.index("[command]"), TRAIN.index("[resistance]"), TRAIN.rindex("[[cars]]")
-    text = TRAIN[:begin] + (TRAIN[begin:end] if command is None else command) + air + TRAIN[end:last]
+    begin, end, last = COUPLED.index("[command]"), COUPLED.index("[resistance]"), COUPLED.rindex("[[cars]]")
+    text = COUPLED[:begin] + (COUPLED[begin:end] if command is None else command) + air + COUPLED[end:last]
     if second:
-        half = TRAIN[last:].replace(', { kind = "trailer", at = "20.5 m" }', "")
-        text += half.replace('mass = "44 t"', 'mass = "22 t"')
+        text += halved(COUPLED[last:])
     else:
         text = re.sub(r'^coupler = "bar".*\n', "", text, flags=re.MULTILINE)
     (folder / f"{name}.toml").write_text(text.replace("NAME", name), encoding="utf-8")
@@ -136,13 +129,11 @@ def test_dynamic_brakes_take_their_part_of_half_a_brake(tmp_path):
     2 %: pads fade less where they are relieved, and blending has the nominal friction.
     """
     plain = write(tmp_path, "plain_train", second=False)
-    table = "[dynamic_brakes.motor]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in DYNAMIC.items())
-    text = plain.read_text(encoding="utf-8").replace('name = "plain_train"', 'name = "driven_train"')
-    for effect in ("speed_effect = 0.12", "force_effect = 0.08", "temperature_effect = 0.10"):
-        text = text.replace(effect, effect.split("=")[0] + "= 0.0")
-    plain.write_text(text.replace("driven_train", "plain_train"), encoding="utf-8")
+    text = with_constant_friction(plain.read_text(encoding="utf-8"))
+    plain.write_text(text, encoding="utf-8")
     driven = tmp_path / "driven_train.toml"
-    text = text.replace("[resistance]", f"{table}\n[resistance]", 1)
+    text = text.replace("plain_train", "driven_train")
+    text = text.replace("[resistance]", f"{dynamic_brake('motor', DYNAMIC)}\n[resistance]", 1)
     driven.write_text(text.replace("wheel_radius", 'dynamic_brake = "motor"\nwheel_radius', 1), encoding="utf-8")
     stops = [stop_of(file, [0.5 * FULL]) for file in (plain, driven)]
     half = np.searchsorted(stops[0]["time"].values, 8.0)

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from slave import Slave
 from synthetic import LIBRARY
 from wrong import table
 
 from railgrip.base.errors import ScenarioError
-from railgrip.fmi import CoSimulation, Port, bind, describe
+from railgrip.fmi import describe
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
 from railgrip.simulate.export.controller_and_plant import controller_fmu
@@ -18,51 +19,22 @@ from railgrip.simulate.vehicle_data import VehicleData
 PLAIN = LIBRARY / "plain.toml"
 
 
-def exported(scenario, folder):
-    """Return the FMU of a scenario's controller, ready to start; its inputs are those of a law, in that order."""
-    path = pack(controller_fmu(scenario), folder / "controller.fmu")
-    assert validate_fmu(str(path)) == []
-    described = describe(path)
-    inputs = tuple(
-        Port(name=name, unit=unit, size=size, needed=True)
-        for name, unit, size in (
-            ("speed", "m/s", 0),
-            ("acceleration", "m/s2", 0),
-            ("slip", "1", 4),
-            ("adhesion", "1", 4),
-            ("pad_friction", "1", 4),
-            ("wheelset_speed", "rad/s", 4),
-            ("driver_demand", "Pa", 4),
-            ("pressure", "Pa", 4),
-        )
-    )
-    output = Port(name="demand", unit="Pa", size=4, needed=True)
-    if scenario.actuation.kind == "pneumatic":
-        output = Port(name="command", unit="1", size=4, needed=True)
-    binding = bind(described, inputs=inputs, outputs=(output,), parameters=(), table={}, where="test")
-    return CoSimulation(described, binding, period=scenario.periods.controller, parameters={})
-
-
 class Driven:
     """A controller in a loop without [demand]: only the exported FMU receives the driver's demand."""
 
-    def __init__(self, fmu, demand):
-        self.fmu, self.demand = fmu, demand
+    def __init__(self, fmu, period, demand):
+        self.fmu, self.period, self.demand, self.calls = fmu, period, demand, 0
 
     def start(self, formation):
-        self.unknown, self.begun = np.zeros(formation.groups), False
+        self.groups = range(formation.groups)
 
     def decide(self, seen):
-        inputs = np.concatenate(
-            [
-                *([seen.speed], [seen.acceleration], seen.slip, self.unknown, self.unknown, seen.wheelset_speed),
-                *(self.demand(seen.time), seen.pressure),
-            ]
-        )
-        if not self.begun:
-            self.begun = True
-            self.fmu.start(inputs)
-        return self.fmu.step(inputs)
+        of_groups = {"slip": seen.slip, "wheelset_speed": seen.wheelset_speed, "pressure": seen.pressure}
+        of_groups["driver_demand"] = self.demand(seen.time)
+        values = {f"{name}[{g + 1}]": own[g] for name, own in of_groups.items() for g in self.groups}
+        self.fmu.step(self.calls, self.period, speed=seen.speed, acceleration=seen.acceleration, **values)
+        self.calls += 1
+        return self.fmu.get(*(f"demand[{g + 1}]" for g in self.groups))
 
 
 @pytest.mark.parametrize("kind", ["slip_three_state", "full_brake", "constant_slip"])
@@ -73,8 +45,10 @@ def test_an_exported_law_gives_the_stop_of_the_harness_under_a_service_demand(ki
     phases = 'demand.phases=[{pressure="1.2 bar", until={time="4 s"}}, {pressure="full"}]'
     service = run_stop(load(PLAIN, [*changes, phases]))
     full = VehicleData(plain).nominal.formation.pressure_max
-    with exported(plain, tmp_path) as fmu:
-        law = Driven(fmu, lambda time: np.full(4, 1.2e5) if time < 4.0 else full)
+    path = pack(controller_fmu(plain), tmp_path / "controller.fmu")
+    assert validate_fmu(str(path)) == []
+    with Slave(path) as fmu:
+        law = Driven(fmu, plain.periods.controller, lambda time: np.full(4, 1.2e5) if time < 4.0 else full)
         stop = run_stop(plain, objects=CustomParts(controller=law))
     undriven = run_stop(plain)
     # Another order of the same sums changes slip in its last digit; a phase begins a sample early or late.

@@ -123,7 +123,7 @@ def test_the_speed_does_not_drift_while_magnets_brake_and_the_radar_is_dead(kind
 
 def eddy_current_train(tmp_path):
     """Return the file of a car with a rail brake and no electric brake on axles."""
-    file = write(tmp_path, dynamic=True)
+    file = write(tmp_path)
     text = file.read_text(encoding="utf-8").replace('dynamic_brake = "motor"', 'dynamic_brake = "rail"')
     begin, end = text.rindex("[dynamic_brakes.motor]"), text.rindex("[dynamic_brakes.rail]")
     file.write_text(text[:begin] + text[end:], encoding="utf-8")

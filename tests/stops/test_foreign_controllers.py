@@ -2,17 +2,17 @@
 
 import re
 from dataclasses import replace
-from functools import partial
 
 import casadi as ca
 import numpy as np
 import pytest
+from sampled_systems import sampled
 from sampling import sample
 from synthetic import LIBRARY
 from table_1 import table_1_scenario
 
 from railgrip.base.errors import FmuError, ScenarioError
-from railgrip.base.system import SampledSystem, Variable
+from railgrip.base.system import SampledSystem
 from railgrip.controllers.observation import Observation
 from railgrip.fmi import Port, bind, describe
 from railgrip.fmi.instance import Instance
@@ -155,17 +155,11 @@ def test_a_table_that_does_not_match_an_exported_law_is_refused(override, senten
 def lasting(calls: int) -> SampledSystem:
     """Return a controller that demands 1 bar and whose state becomes NaN one call after a number of calls."""
     left = ca.SX.sym("left")
-    step = ca.Function("step", [left, ca.SX(0, 1), ca.SX(0, 1)], [left - 1.0 / (left > 0), ca.SX.ones(4) * 1e5])
-    variable = partial(Variable, description="")
-    return SampledSystem(
-        name="Lasting",
-        description="Ends",
+    return sampled(
+        ca.Function("step", [left, ca.SX(0, 1), ca.SX(0, 1)], [left - 1.0 / (left > 0), ca.SX.ones(4) * 1e5]),
         period=1e-3,
-        states=(variable(name="left", unit="1", start=float(calls)),),
-        inputs=(),
-        parameters=(),
-        outputs=tuple(variable(name=f"demand[{g}]", unit="Pa", start=0.0) for g in range(1, 5)),
-        step=step,
+        states=[("left", "1", float(calls))],
+        outputs=[(f"demand[{g}]", "Pa", 0.0) for g in range(1, 5)],
     )
 
 
@@ -216,21 +210,15 @@ class Recorder:
 def law_of_inputs(folder, tool: str = "a hand"):
     """Return description and binding of a law with these inputs: speed in km/h, slip, its validity, an array."""
     state, inputs = ca.SX.sym("x", 0), ca.SX.sym("u", 7)
-    names = ("speed", "slip[1]", "slip[2]", "slip_valid[1]", "slip_valid[2]", "pressure[1]", "pressure[2]")
-    starts = (36.0, 0.02, 0.03, 1.0, 1.0, 7.0, 8.0)
-    system = SampledSystem(
-        name="Law",
-        description="",
+    system = sampled(
+        ca.Function("step", [state, inputs], [state, inputs[:2]]),
         period=0.01,
-        states=(),
-        inputs=tuple(
-            Variable(name=n, unit="km/h" if n == "speed" else "Pa" if "pressure" in n else "1", description="", start=s)
-            for n, s in zip(names, starts, strict=True)
-        ),
-        parameters=(),
-        outputs=tuple(Variable(name=f"demand[{g}]", unit="Pa", description="") for g in (1, 2)),
-        step=ca.Function("step", [state, inputs], [state, inputs[:2]]),
-    )
+        inputs=[
+            ("speed", "km/h", 36.0), ("slip[1]", "1", 0.02), ("slip[2]", "1", 0.03), ("slip_valid[1]", "1", 1.0),
+            ("slip_valid[2]", "1", 1.0), ("pressure[1]", "Pa", 7.0), ("pressure[2]", "Pa", 8.0),
+        ],
+        outputs=[("demand[1]", "Pa", 0.0), ("demand[2]", "Pa", 0.0)],
+    )  # fmt: skip
     source = sources(system)
     source = replace(source, xml=re.sub(r'generationTool="[^"]*"', f'generationTool="{tool}"', source.xml))
     description = describe(pack(source, folder / f"law_{len(tool)}.fmu"))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from energy_balance import G, stopping_distance
-from small_train import BEGINNING
+from small_train import BEGINNING, halved
 
 import railgrip as rg
 from railgrip.scenario.outcome import Outcome
@@ -114,17 +114,13 @@ def test_the_crest_and_the_fall_differ_with_the_bound_and_the_filter_likewise(tm
     assert np.all(np.array(errors[0]) <= np.array(errors[1]))
 
 
-@pytest.fixture(scope="module")
-def two_cars(tmp_path_factory):
-    """Two cars of 22 t, each on one bogie, with a coupler between them; their wheelsets are 24 m apart."""
-    file = tmp_path_factory.mktemp("two_cars") / "pair.toml"
-    text = BEGINNING.replace("NAME", "pair").replace('mass = "44 t"', 'mass = "22 t"')
-    file.write_text(text.replace(', { kind = "trailer", at = "20.5 m" }', ""), encoding="utf-8")
-    return file
+def test_a_coupler_pulls_with_the_difference_of_the_gradients_of_its_cars(tmp_path):
+    """Rolling over a summit, the car in front is pulled down and the one behind back: each by 22 t g sin β.
 
-
-def test_a_coupler_pulls_with_the_difference_of_the_gradients_of_its_cars(tmp_path, two_cars):
-    """Rolling over a summit, the car in front is pulled down and the one behind back: each by 22 t g sin β."""
+    Each car is on one bogie; their wheelsets are 24 m apart.
+    """
+    two_cars = tmp_path / "pair.toml"
+    two_cars.write_text(halved(BEGINNING.replace("NAME", "pair")), encoding="utf-8")
     rolling = {"demand": {"phases": [{"pressure": 0}]}, "limits": {"horizon": "4 s"}}
     track = line(tmp_path, ((-1e3, 0.02), (-12.0, -0.02)), "rising")
     trace = run_stop(scenario_on(track, vehicle={"train": str(two_cars)}, start={"speed": "2 m/s"}, **rolling)).trace

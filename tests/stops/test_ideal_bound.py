@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from sampling import sample
+from synthetic import LIBRARY
 
 import railgrip.scenario
 from railgrip.scenario.file import merge
@@ -13,7 +14,6 @@ from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.simulate.ideal import ideal_stop
 from railgrip.simulate.run import run_stop
 
-LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 PERIODS = ("communication", "estimator", "controller", "trace")
 COARSE = dict.fromkeys(PERIODS, "10 ms")
 """Of the bound where it is compared with stops: it changes by millimetres, as the first test states."""

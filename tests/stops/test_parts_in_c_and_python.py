@@ -104,22 +104,6 @@ def test_wheels_that_replace_a_silent_radar():
     assert np.abs(trace["reference_speed"] - trace["speed"]).values[given].max() < 0.4
 
 
-def test_the_demands_of_a_driver():
-    """Traction up to a speed, coasting, and two steps of the brake."""
-    stop = stop_of("service_steps", "start.speed=98 km/h", "limits.horizon=16 s")
-    assert len(np.unique(stop.trace["driver_demand"].values[:, 0])) == 3
-
-
-def test_friction_and_forces_along_the_track():
-    """A gradient that changes, and friction over distance that each wheelset reaches later."""
-    track = (
-        "track.gradient=[{begin='0 m', slope=-0.01}, {begin='30 m', slope=0.02}]",
-        "adhesion={kind='random', polach='dry', over='distance', mean=0.08, deviation=0.02, correlation='10 m', "
-        "minimum=0.03, maximum=0.2}",
-    )
-    stop_of("trapezoid", *track, *SHORT)
-
-
 @pytest.mark.parametrize("controller", ["slip_two_state", "full_brake"])
 def test_a_foreign_plant_without_slip_output(controller, tmp_path):
     """Slip follows from the output speeds."""

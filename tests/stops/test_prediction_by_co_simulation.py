@@ -21,18 +21,13 @@ from waiting import LONGEST, until
 
 import railgrip.scenario
 from railgrip.base.errors import FmuError, ScenarioError
-from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.design import NOISE_SETS
-from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.filters.moving_horizon import HorizonFilter
-from railgrip.estimators.prediction import CasadiPrediction, with_state_names
-from railgrip.fmi import SteppedFmuPrediction, describe
+from railgrip.fmi import describe
 from railgrip.fmus.native import package
 from railgrip.report.stop import Stop
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.named_models import compile_class, prediction_description
+from railgrip.simulate.named_models import prediction_description
 from railgrip.simulate.run import run_stop
 
 TRAPEZOID = (Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml").read_text()
@@ -94,7 +89,8 @@ def scenario_with(file: Path, *changes: str) -> Scenario:
 
 @pytest.mark.parametrize(("edits", "tolerance"), [((), 1e-6), ((('providesDirectionalDerivative="true"', ""),), 1e-4)])
 def test_a_prediction_of_a_user_may_integrate_itself(tmp_path: Path, edits, tolerance: float):
-    """Differences give the Jacobian of the step, which the next test compares with its closed form.
+    """Differences give the Jacobian of the step, which tests/fmi/test_stepped_prediction.py compares with that of its
+    variational equations.
 
     Directional derivatives are those of its start: the load of a wheelset, by which adhesion acts on its speed, changes
     by 2e-4 of itself in a millisecond, and so do gains at the beginning of a stop.
@@ -105,26 +101,6 @@ def test_a_prediction_of_a_user_may_integrate_itself(tmp_path: Path, edits, tole
     assert largest_difference(mine, ours) < tolerance
     missing = "[estimator]: Mine.fmu offers no directional derivatives; the filter takes central differences"
     assert sentences == ([missing] if edits else [])
-
-
-def test_with_differences_a_filter_has_the_exact_jacobian_of_a_step(tmp_path: Path):
-    """Against the filter in numpy whose transition is the derivative of the RK4 step, from the equations in CasADi."""
-    description = describe(own(tmp_path, ('providesDirectionalDerivative="true"', "")))
-    model = with_state_names(compile_class("RailBraking.Predictions.TrainPrediction"))
-    equations = CasadiPrediction(model, {v.name: v.start for v in model.parameters})
-    noise, period = NOISE_SETS["train_ideal"], 1e-3
-    names = {name: getattr(equations, name) for name in ("states", "inputs", "outputs")}
-    random, inputs = np.random.default_rng(1), np.array([2e5, 1e5, 1e5, 2e5, 0.0])
-    start = np.array([v.start for v in model.states]) + 0.02
-    with SteppedFmuPrediction(description, period=period, parameters={}, **names) as stepped_fmu:
-        noises = noise.process_noise(equations.states), noise.reading_noise(equations.outputs)
-        fast = CompiledFilter(stepped_fmu, *noises, period)
-        exact = HorizonFilter(ExtendedKalmanFilter(equations, *noises, period))
-        belief = expected = fast.start(start, noise.start_covariance(equations.states))
-        for _ in range(100):
-            readings = equations.output(belief.mean, inputs) + 1e-4 * random.standard_normal(len(equations.outputs))
-            belief, expected = fast.step(belief, inputs, readings), exact.step(expected, inputs, readings)
-            np.testing.assert_allclose(belief.mean, expected.mean, rtol=1e-7, atol=1e-6)
 
 
 def test_a_prediction_for_co_simulation_alone_needs_the_key(tmp_path: Path):

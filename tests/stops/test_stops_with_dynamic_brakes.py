@@ -1,14 +1,11 @@
 """Simulated stops with electrodynamic and eddy-current brakes, against the hand calculation and energies."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from braked import dry
+from small_train import COUPLED, dynamic_brake, with_constant_friction
 from synthetic import MOTOR
 
-from railgrip import cli
 from railgrip.base.errors import ScenarioError
 from railgrip.rolling_stock.schema import load_train
 from railgrip.rolling_stock.stopping import by_hand
@@ -17,7 +14,6 @@ from railgrip.simulate.ideal import ideal_stop
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
 
-BEGINNING = (Path(cli.__file__).parent / "templates" / "train.toml").read_text(encoding="utf-8")
 SPEED = 100 / 3.6
 RAIL = {
     "kind": "eddy_current_rail", "force": "8 kN", "speed_peak": "90 km/h", "speed_full": "60 km/h",
@@ -25,26 +21,19 @@ RAIL = {
 }  # fmt: skip
 
 
-def table(name, keys):
-    return f"[dynamic_brakes.{name}]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in keys.items())
-
-
-def write(folder, *, dynamic):
+def write(folder):
     """Write a car with a motor bogie of coupled axles and a bogie with magnets; its pads have constant friction."""
-    text = BEGINNING.replace("NAME", "driven" if dynamic else "plain").replace("coupled = false", "coupled = true")
-    for effect in ("speed_effect = 0.12", "force_effect = 0.08", "temperature_effect = 0.10"):
-        text = text.replace(effect, effect.split("=")[0] + "= 0.0")
+    text = with_constant_friction(COUPLED.replace("NAME", "driven"))
     begin, end = text.index("\n[bogies.trailer]"), text.index("[couplers.bar]")
     bogie = text[begin:end]
     motor, magnets = (
         bogie.replace("bogies.trailer", f"bogies.{name}").replace(
-            "wheel_radius", f'dynamic_brake = "{brake}"\nwheel_radius' if dynamic else "wheel_radius", 1
+            "wheel_radius", f'dynamic_brake = "{brake}"\nwheel_radius', 1
         )
         for name, brake in (("motor", "motor"), ("magnets", "rail"))
     )
-    tables = table("motor", MOTOR) + table("rail", RAIL) if dynamic else ""
     cars = text.index("\n[[cars]]", text.index("[[cars]]") + 1)
-    text = text[:begin] + motor + magnets + tables + text[end:cars]
+    text = text[:begin] + motor + magnets + dynamic_brake("motor", MOTOR) + dynamic_brake("rail", RAIL) + text[end:cars]
     text = text.replace('kind = "trailer"', 'kind = "motor"', 1).replace('kind = "trailer"', 'kind = "magnets"', 1)
     (folder / "train.toml").write_text(text.replace('coupler = "bar"', "", 1), encoding="utf-8")
     return folder / "train.toml"
@@ -56,7 +45,7 @@ def scenario(file, mu0=0.5, **changes):
 
 @pytest.fixture(scope="module")
 def driven(tmp_path_factory):
-    return write(tmp_path_factory.mktemp("driven"), dynamic=True)
+    return write(tmp_path_factory.mktemp("driven"))
 
 
 def test_a_dry_stop_has_the_distance_and_energies_of_the_hand_calculation(driven):

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from braked import dry
 from sampling import FUZZ
+from small_train import COUPLED
 from train_stops import filling_of
 
 import railgrip.scenario
-from railgrip import cli
 from railgrip.base.errors import ScenarioError
 from railgrip.report.results import OURS, fmu_tools
 from railgrip.rolling_stock.schema import load_train
@@ -26,7 +26,6 @@ from railgrip.vehicle.signals import PLANT
 
 TRAINS = Path(railgrip.scenario.__file__).parent / "trains"
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
-BEGINNING = (Path(cli.__file__).parent / "templates" / "train.toml").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +85,7 @@ def test_kinds_of_bogies_with_similar_names_keep_their_pads(tmp_path):
 
     Coupled axles and three bogies instead of four take half as long to build.
     """
-    text = BEGINNING.replace("NAME", "alike").replace("coupled = false", "coupled = true")
+    text = COUPLED.replace("NAME", "alike")
     head, cars = text.split("[[cars]]", 1)
     bogie = head[head.index("[bogies.trailer]") : head.index("[couplers.bar]")]
     pads = head[head.index("[pads.organic]") : head.index("[brakes.disc]")]
@@ -128,8 +127,7 @@ def coaches(tmp_path):
     """Return a scenario's [vehicle] of coaches with a brake pipe, the second one without a distributor."""
 
     def vehicle(name, count=2, metres=24, **keys):
-        # Coupled axles halve the build time of a plant and have no effect on its air.
-        text = BEGINNING.replace("NAME", name).replace("coupled = false", "coupled = true")
+        text = COUPLED.replace("NAME", name)
         begin, resistance, cars = text.index("[command]"), text.index("[resistance]"), text.index("[[cars]]")
         pipe = '[command]\nkind = "brake_pipe"\ndiameter = "32 mm"\nbranch_volume = "3 l"\nfill_time = "4 s"\n'
         pipe += 'reservoir = "150 l"\nestimated = true\n'
