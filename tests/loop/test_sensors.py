@@ -119,12 +119,6 @@ def test_a_pressure_step_arrives_with_the_transducers_lag():
     assert reached == pytest.approx(10, abs=1)
 
 
-def test_the_same_seed_reads_the_same():
-    one, two = biased_sensors(), biased_sensors()
-    for k in range(2000):
-        assert np.array_equal(read(one, k, truth()), read(two, k, truth()), equal_nan=True)
-
-
 def test_a_lost_reading_is_nan_and_factors_continue_in_turn():
     """Readings every 50 ms are 1.01, NaN, 0.99 of the speed, and so on; the first one is due after the latency."""
     factors = np.array([1.01, np.nan, 0.99])

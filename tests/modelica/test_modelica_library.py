@@ -42,11 +42,7 @@ def test_format(path: Path) -> None:
 @pytest.mark.parametrize("path", FILES, ids=identify)
 def test_one_class_named_for_its_file_with_a_description(path: Path) -> None:
     name = path.parent.name if path.name == "package.mo" else path.stem
-    outside = path.parent.parent if path.name == "package.mo" else path.parent
-    within = ".".join(outside.relative_to(LIBRARY.parent).parts)
     source = text(path)
-    if within:
-        assert source.startswith(f"within {within};\n")
     head = re.search(rf'^{KINDS}\s+{name}(?:\s*=[^"]*)?\s+"([A-Z][^"]*[^."])"', source, re.MULTILINE)
     assert head, "a class named for its file, with a description that begins with a capital and has no full stop"
     assert len(re.findall(rf"^{KINDS}\s+\w+", code(path), re.MULTILINE)) == 1
@@ -155,15 +151,6 @@ def test_a_class_has_an_icon_and_places_its_components(path: Path) -> None:
         for other in places[:i]:
             apart = one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
             assert apart, f"{one} covers {other}"
-
-
-def test_the_icon_of_a_kind_is_drawn_once() -> None:
-    """A class draws only what distinguishes it over the icon that it extends."""
-    frames = [path for path in FILES if '"%name"' in text(path) and re.search(r"-100, 100\}, \{100, -100", text(path))]
-    kinds = [path for path in FILES if path.parent.name == "Icons" and path.name != "package.mo"]
-    assert {path for path in frames if path.parent.name != "Interfaces"} == set(kinds)
-    for kind in kinds:
-        assert any(f"  extends Icons.{kind.stem};" in text(path) for path in FILES), f"nothing looks like {kind.stem}"
 
 
 def without_strings(source: str) -> str:
