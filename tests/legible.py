@@ -48,8 +48,7 @@ addEventListener("load", async () => {
   });
   const figures = [...document.querySelectorAll(".figure img")].filter((one) => one.offsetWidth).map((one) => (
     { ...box(one), name: one.alt, shown: box(one.parentElement), scale: one.offsetWidth / one.naturalWidth }));
-  const page = document.documentElement.scrollWidth;
-  parent.document.title = JSON.stringify({ width: innerWidth, page, plots, figures });
+  parent.document.title = JSON.stringify({ width: innerWidth, plots, figures });
 });
 </script>"""
 
@@ -119,27 +118,22 @@ def drawn(frames, folder):
     A window is never narrower than 500 pixels.
 
     Args:
-        frames: Page, width and height of each frame [pixels].
+        frames: Page and width of each frame [pixels], which is 900 pixels high.
         folder: Folder for the profile of the browser.
     """
     folder.mkdir(exist_ok=True)
-    for number, (page, width, height) in enumerate(frames):
+    for number, (page, width) in enumerate(frames):
         text = page.read_text(encoding="utf-8").replace("</body>", f"{_SCRIPT}</body>")
         (folder / f"measured{number}.html").write_text(text, encoding="utf-8")
-        frame = f'<iframe src="measured{number}.html" style="width:{width}px;height:{height}px;border:0"></iframe>'
+        frame = f'<iframe src="measured{number}.html" style="width:{width}px;height:900px;border:0"></iframe>'
         (folder / f"frame{number}.html").write_text(frame, encoding="utf-8")
     outer, count = folder / "outer.html", len(frames)
     one = '<iframe src="frame{}.html" style="width:1400px;height:950px;border:0;display:block"></iframe>'
     outer.write_text("".join(map(one.format, range(count))) + _COLLECT, encoding="utf-8")
     options = (f"--window-size=1400,{1000 * count}", f"--virtual-time-budget={20_000 * count}")
     found = json.loads(title_of(outer, folder, *options))
-    assert [each["width"] for each in found] == [width for _, width, _ in frames]
+    assert [each["width"] for each in found] == [width for _, width in frames]
     return found
-
-
-def defects_on_screen(pages, folder, *widths):
-    """Return for each page and width of the screen a sentence for each defect of its figures."""
-    return [defects_of(found) for found in drawn([(page, width, 900) for page in pages for width in widths], folder)]
 
 
 def defects_of(found):

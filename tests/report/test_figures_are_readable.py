@@ -7,7 +7,7 @@ from shutil import copy
 
 import numpy as np
 import pytest
-from legible import WIDTHS, defects_on_screen, drawn, needs_browser
+from legible import WIDTHS, drawn, needs_browser
 from legible import defects_of as defects_in
 from pages import replace_signals, signals_of
 from readable import defects_of, missing_in
@@ -106,28 +106,17 @@ SCREENS = [*product(("campaign", "stop"), WIDTHS)]
 
 @pytest.fixture(scope="module")
 def screens(pages, tmp_path_factory):
-    """What a browser draws of the pages, by name, width and height of the screen; one browser draws them all."""
-    sizes = [*((name, width, 900) for name, width in SCREENS), ("campaign", 1280, 800)]
-    found = drawn([(pages[name], width, height) for name, width, height in sizes], tmp_path_factory.mktemp("screens"))
-    return dict(zip(sizes, found, strict=True))
+    """What a browser draws of the pages, by name and width of the screen; one browser draws them all."""
+    found = drawn([(pages[name], width) for name, width in SCREENS], tmp_path_factory.mktemp("screens"))
+    return dict(zip(SCREENS, found, strict=True))
 
 
 @needs_browser
 @pytest.mark.parametrize(("name", "width"), SCREENS)
 def test_no_text_of_a_page_overlaps_and_no_axis_is_low(name, width, screens):
-    found = screens[name, width, 900]
+    found = screens[name, width]
     assert found["plots" if name == "stop" else "figures"]
     assert defects_in(found) == []
-
-
-@needs_browser
-def test_the_answer_of_a_campaign_is_on_the_first_screen(screens):
-    """On a screen of 1280 by 800 pixels: the overview with all of its columns, and the figure."""
-    found = screens["campaign", 1280, 800]
-    first = found["figures"][0]
-    assert first["name"] == "overview"
-    assert first["bottom"] <= 800
-    assert found["page"] <= 1280
 
 
 @needs_browser
@@ -137,7 +126,8 @@ def test_a_browser_finds_texts_that_overlap(pages, tmp_path):
     place = {"x": 1, "y": 1, "showarrow": False}
     plot["layout"]["annotations"] = [{**place, "text": text} for text in ("one text", "another one")]
     replace_signals(page, plot)
-    assert "'one text' overlaps 'another one'" in defects_on_screen([page], tmp_path / "screen", 800)[0]
+    (found,) = drawn([(page, 800)], tmp_path / "screen")
+    assert "'one text' overlaps 'another one'" in defects_in(found)
 
 
 def crowd_ticks(axes):

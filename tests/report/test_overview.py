@@ -1,7 +1,6 @@
 """The overview of a campaign: published and simulated distances on one screen."""
 
 import math
-import re
 
 import pandas
 import pytest
@@ -101,12 +100,6 @@ def test_a_reader_learns_what_was_fitted_tuned_and_published(frame):
         "No SBC with tuned thresholds was run: what a law gains over one is not known here."
     ]
     assert meaning_of(overview).startswith("SBC: slip-based control; ABC: adhesion-based control.")
-
-
-def test_the_campaign_names_who_published_the_distances(tmp_path, write_campaign):
-    write_campaign(tmp_path, lambda stop: stop.name == "trapezoid-ideal-slip_two_state")
-    (source,) = read_results(tmp_path).published
-    assert re.match(r"Schwarz, Posielek and Goetjes: .+ \(2021\), Table 1$", source)
 
 
 def test_the_headline_is_of_each_equipment_and_of_common_stops(frame):

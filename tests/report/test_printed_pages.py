@@ -39,14 +39,8 @@ def bare(text):
     return re.sub(r"\s", "", normalize("NFKC", text))  # printed letters may be joined, as in ﬁ
 
 
-@pytest.fixture(scope="module")
-def paper(folder, tmp_path_factory):
-    """The printed page of the campaign."""
-    return printed(folder / "index.html", tmp_path_factory.mktemp("paper"))
-
-
-def test_all_columns_of_a_campaign_are_on_paper(folder, paper):
-    texts, sizes = paper
+def test_all_columns_of_a_campaign_are_on_paper(folder, tmp_path):
+    texts, sizes = printed(folder / "index.html", tmp_path)
     assert sizes <= {
         (w + dx, h + dy) for w, h in A4 for dx in (-1, 0, 1) for dy in (-1, 0, 1)
     }  # rounded by the browser
@@ -64,16 +58,6 @@ def test_all_columns_of_a_campaign_are_on_paper(folder, paper):
     assert [
         cell for table in tables for row in table.texts for cell in row.values() if bare(cell) not in everything
     ] == []
-
-
-def test_the_answer_its_table_and_its_figure_are_on_the_first_page(folder, paper):
-    """Panels are next to each other on paper although the window is narrow; no page is half empty."""
-    first = paper[0][0]
-    overview = overview_of(frame_of(read_results(folder)))
-    (rail,) = overview["place"].cat.categories
-    cells = [cell for row in overview_table(overview).texts for cell in row.values()]
-    labels = [rail, "braking distance [m]", "ideal equipment", *cells]
-    assert [label for label in labels if bare(label) not in first] == []
 
 
 def test_sections_folded_on_the_screen_are_printed(folder, tmp_path):
