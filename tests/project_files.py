@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+PACKAGES = ("harness/", "controllers/", "estimators/", "fmus/", "tools/")
 
 
 @cache
@@ -22,3 +23,9 @@ def project_files() -> tuple[str, ...]:
         folders[:] = kept(folders)
         found += [(Path(folder) / name).relative_to(ROOT).as_posix() for name in kept(files)]
     return tuple(sorted(found))
+
+
+@cache
+def modules() -> tuple[Path, ...]:
+    """Return the modules of the packages and of the tools."""
+    return tuple(ROOT / name for name in project_files() if name.endswith(".py") and name.startswith(PACKAGES))

@@ -8,17 +8,13 @@ from pathlib import Path
 
 import pytest
 from command_line import ran
+from project_files import modules
 
 from railgrip.base import cache
 from railgrip.fmus.native import separate_process, toolchain
 from railgrip.scenario.load import load, scenario_of
 
 ROOT = Path(__file__).parents[1]
-SOURCES = sorted(
-    path
-    for folder in ("harness", "estimators", "controllers", "fmus", "tools")
-    for path in (ROOT / folder).rglob("*.py")
-)
 POSIX_MODULES = {"fcntl", "grp", "posix", "pwd", "resource", "termios"}
 POSIX_NAMES = {
     "os": {"O_NOFOLLOW", "fork", "geteuid", "getloadavg", "getpgid", "getuid", "killpg", "setsid", "wait4"},
@@ -41,7 +37,7 @@ def functions(tree: ast.AST) -> Iterator[ast.AST]:
 @pytest.fixture(scope="module")
 def trees() -> dict[str, tuple[str, ast.Module]]:
     """Text and syntax tree of each source by its path."""
-    texts = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in SOURCES}
+    texts = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in modules()}
     return {path: (text, ast.parse(text)) for path, text in texts.items()}
 
 

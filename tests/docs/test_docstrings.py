@@ -4,12 +4,9 @@ import ast
 import re
 from pathlib import Path
 
+from project_files import modules
+
 ROOT = Path(__file__).parents[2]
-SOURCES = [
-    path
-    for folder in ("harness", "estimators", "controllers", "fmus", "tools")
-    for path in (ROOT / folder).rglob("*.py")
-]
 FUNCTION = ast.FunctionDef, ast.AsyncFunctionDef
 
 
@@ -27,8 +24,8 @@ def arguments(function):
 
 
 def members(node):
-    """Return the names of a class: fields, methods, and attributes that its methods set."""
-    found = {inner.name for inner in node.body if isinstance(inner, FUNCTION)}
+    """Return the names of a class: fields, methods, classes, and attributes that its methods set."""
+    found = {inner.name for inner in node.body if isinstance(inner, (*FUNCTION, ast.ClassDef))}
     for inner in ast.walk(node):
         if isinstance(inner, ast.Attribute) and isinstance(inner.value, ast.Name) and inner.value.id in ("self", "cls"):
             found.add(inner.attr)
@@ -55,7 +52,7 @@ def findings(tree, classes):
 
 def test_a_described_argument_or_attribute_exists():
     """If this fails, correct the name in the docstring, or remove its line."""
-    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
+    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in modules()}
     classes = {node.name: node for tree in trees.values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
     wrong = [
         f"{path.relative_to(ROOT)}: {owner} has no '{name}'"

@@ -7,10 +7,10 @@ from pathlib import Path
 from pkgutil import resolve_name
 
 import pytest
-from project_files import project_files
+from project_files import PACKAGES, modules, project_files
+from test_docstrings import members
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("harness", "controllers", "estimators", "fmus", "tools")
 SUFFIXES = r"(?:py|c|h|toml|md|mo|json|svg|js|css)"
 FILE = re.compile(rf"(?<![\w./*<{{-])(?:[\w-]+/)*[\w-]+\.{SUFFIXES}(?!\.?\w|[*(])")
 DOTTED = re.compile(r"(?<![\w./`])`?(railgrip(?:\.\w+)+)")
@@ -24,12 +24,6 @@ ENTRY_POINTS = {f"railgrip.{role}" for role in ("controllers", "estimators", "se
 """Entry point groups of other packages."""
 EXAMPLE = re.compile(r"My|.*_\d$")
 """Names in a user's library, and names of array elements."""
-
-
-def sources(suffix: str) -> list[Path]:
-    """Return the files of the packages with a suffix; modules of tests have names of files and classes of users."""
-    folders = PACKAGES if suffix == ".py" else (*PACKAGES, "tests")
-    return [ROOT / name for name in project_files() if name.endswith(suffix) and name.startswith(folders)]
 
 
 @cache
@@ -80,25 +74,10 @@ def modelica_exists(name: str) -> bool:
 def classes() -> dict[str, set[str]]:
     """Return the classes of the sources with all names in their bodies; classes of equal name are merged."""
     found: dict[str, set[str]] = {}
-    for path in sources(".py"):
+    for path in modules():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ClassDef):
-                inner = {each.name for each in node.body if isinstance(each, ast.FunctionDef | ast.ClassDef)}
-                inner |= {
-                    each.attr
-                    for each in ast.walk(node)
-                    if isinstance(each, ast.Attribute) and isinstance(each.value, ast.Name) and each.value.id == "self"
-                }
-                inner |= {
-                    each.id
-                    for line in node.body
-                    if isinstance(line, ast.Assign | ast.AnnAssign)
-                    for each in ast.walk(line)
-                    if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
-                }
-                if node.bases:
-                    inner.add("*")
-                found.setdefault(node.name, set()).update(inner)
+                found.setdefault(node.name, set()).update(members(node), {"*"} if node.bases else ())
     return found
 
 
@@ -123,11 +102,15 @@ def missing(text: str) -> list[str]:
 
 
 def test_references_in_the_sources_exist():
-    """In docstrings and comments, and in code and messages as well."""
+    """In docstrings and comments, and in code and messages as well; modules of tests have names of users' files."""
+    in_c = [
+        ROOT / name
+        for name in project_files()
+        if name.endswith((".c", ".h")) and name.startswith((*PACKAGES, "tests/"))
+    ]
     wrong = [
         f"{path.relative_to(ROOT)}: {name}"
-        for suffix in (".py", ".c", ".h")
-        for path in sources(suffix)
+        for path in (*modules(), *in_c)
         for name in missing(path.read_text(encoding="utf-8"))
     ]
     assert not wrong, "\n".join(wrong)
