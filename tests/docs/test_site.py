@@ -1,9 +1,7 @@
 """The documentation builds without warnings, loads nothing from the network, and describes the whole interface."""
 
 import json
-import os
 import re
-import subprocess
 import sys
 import tomllib
 from collections.abc import Collection, Iterator, Mapping
@@ -13,8 +11,8 @@ from typing import Any
 
 import pytest
 import typer
+from command_line import ran
 from legible import needs_browser, title_of
-from PIL import Image
 
 import railgrip
 from railgrip.base import registry
@@ -32,14 +30,8 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build the site with one script of the gallery and one notebook; all proxies point to a closed port."""
     folder = tmp_path_factory.mktemp("site")
     proxies = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
-    done = subprocess.run(
-        [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)],
-        cwd=ROOT,
-        env=os.environ | proxies | {"DISABLE_MKDOCS_2_WARNING": "true", "RAILGRIP_DOCS_RUN": "recording"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", folder]
+    done = ran(build, ROOT, **proxies, DISABLE_MKDOCS_2_WARNING="true", RAILGRIP_DOCS_RUN="recording")
     assert done.returncode == 0, done.stderr
     return folder
 
@@ -109,62 +101,35 @@ def keys_of(table: Mapping[str, Any], free: Collection[str] = FREE) -> Iterator[
                 yield from keys_of(entry, free)
 
 
-def test_every_key_of_the_scenarios_of_the_library_is_described(site: Path):
-    described = _Page(site / "reference/scenario.html").code
-    for path in sorted((ROOT / "harness/scenario/library").glob("*.toml")):
-        keys = set(keys_of(tomllib.loads(path.read_text(encoding="utf-8"))))
-        assert keys <= described, path.name
-
-
-def test_the_gallery_contains_figure_and_script(site: Path):
-    page = _Page(site / "gallery/recording.html")
-    assert "recording.png" in page.loaded
-    assert Image.open(site / "gallery/recording.png").size > (600, 400)
-    assert (site / "gallery/recording.py").read_bytes() == (ROOT / "docs/gallery/recording.py").read_bytes()
-    index = (site / "gallery/index.html").read_text(encoding="utf-8")
-    names = [path.stem for path in (ROOT / "docs/gallery").glob("*.py")]
-    assert len(names) >= 16
-    assert not [name for name in names if f'href="{name}.html"' not in index]
-
-
-def test_a_notebook_contains_its_figures(site: Path):
-    pictures = [address for address in _Page(site / "examples/recording.html").loaded if address.endswith(".png")]
-    assert len(pictures) >= 3
-    assert all((site / "examples" / name).is_file() for name in pictures)
-
-
 NAMED = {
     "pads", "blocks", "brakes", "track_brakes", "dynamic_brakes", "parking_brakes", "bogies", "couplers",
     "distributors", "accelerators", "load_valves",
 }  # fmt: skip
 """Tables of a train file whose keys are chosen by the author."""
 
-
-def test_every_key_of_the_trains_of_the_library_is_described(site: Path):
-    described = _Page(site / "reference/train.html").code
-    for path in sorted((ROOT / "harness/scenario/trains").glob("*.toml")):
-        train = tomllib.loads(path.read_text(encoding="utf-8"))
-        tables = [table for name in NAMED & train.keys() for table in train[name].values()]
-        keys = {key for table in (train, *tables) for key in keys_of(table, NAMED)}
-        assert "axle_mass" in keys, path.name
-        assert keys <= described, path.name
-
-
-def test_every_key_of_the_campaigns_of_the_library_is_described(site: Path):
-    described = _Page(site / "reference/campaign.html").code
-    for path in sorted((ROOT / "harness/scenario/campaigns").glob("*.toml")):
-        campaign = tomllib.loads(path.read_text(encoding="utf-8"))
-        assert set(keys_of(campaign, {"axes", "match", "sweep", "exclude"})) <= described, path.name
+LIBRARIES = {
+    "scenario": ("scenario/library", FREE),
+    "train": ("scenario/trains", NAMED),
+    "campaign": ("scenario/campaigns", {"axes", "match", "sweep", "exclude"}),
+    "estimation": (
+        "estimation/library",
+        {"process", "readings", "mean", "deviation", "scale", "noise", "inputs", "parameters", "columns", "extends"},
+    ),
+}
+"""Reference page → folder of files, and tables whose keys are names."""
 
 
-def test_every_key_of_the_estimations_of_the_library_is_described(site: Path):
-    described = _Page(site / "reference/estimation.html").code
-    by_name = {"process", "readings", "mean", "deviation", "scale", "noise", "inputs", "parameters", "columns"}
-    for path in sorted((ROOT / "harness/estimation/library").glob("*.toml")):
-        estimation = tomllib.loads(path.read_text(encoding="utf-8"))
-        tables = [estimation.pop("noise", {})]  # keys that are not names, such as those of [source] noise
-        keys = {key for table in (estimation, *tables) for key in keys_of(table, by_name)}
-        assert keys - {"extends"} <= described, path.name
+@pytest.mark.parametrize("page", LIBRARIES)
+def test_every_key_of_the_files_of_the_library_is_described(site: Path, page: str):
+    folder, free = LIBRARIES[page]
+    described = _Page(site / f"reference/{page}.html").code
+    for path in sorted((ROOT / "harness" / folder).glob("*.toml")):
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        named = [inner for name in NAMED & table.keys() for inner in table[name].values()]
+        noise = table.pop("noise", {})  # its keys are not names, such as those of [source] noise
+        keys = {key for each in (table, *named, noise) for key in keys_of(each, free)}
+        assert len(keys) > 2, path.name
+        assert keys - ({"extends"} & free) <= described, path.name
 
 
 def test_every_signal_metric_curve_and_command_is_described(site: Path):
