@@ -1,13 +1,11 @@
 """`railgrip monitor` on stops of the harness and on recorded files of users."""
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-import railgrip.scenario
+import railgrip as rg
 from railgrip.cli.app import app
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import load_specification
@@ -15,8 +13,6 @@ from railgrip.recording.samples import reading_of
 from railgrip.studies.pad_monitor.evidence import evidence_of
 from railgrip.studies.pad_monitor.life import Life, live
 from railgrip.studies.pad_monitor.watch import stops_in
-
-LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 
 MAP = """
 name = "stops"
@@ -42,12 +38,8 @@ track_force = { value = "0 N" }
 def slid(tmp_path_factory):
     """A folder with one short stop with locked wheels on ice, as `run` and `campaign` write it."""
     folder = tmp_path_factory.mktemp("stops")
-    overrides = ("controller.kind=full_brake", "estimator.kind=none", "start.speed='60 km/h'")
-    arguments = [part for change in overrides for part in ("--set", change)]
-    result = CliRunner().invoke(
-        app, ["run", str(LIBRARY / "trapezoid.toml"), *arguments, "--out", str(folder / "locked")]
-    )
-    assert result.exit_code == 0, result.output
+    changes = {"controller.kind": "full_brake", "estimator.kind": "none", "start.speed": "60 km/h"}
+    rg.run(rg.Scenario.load("trapezoid", changes)).write(folder / "locked")
     return folder
 
 

@@ -23,13 +23,14 @@ SETTINGS = Settings(
     start_deviation={"w": 0.3, "v": 0.1, "mu_b": 0.04, "alpha": 0.02},
 )
 MODEL = "RollerRigPrediction"
+RESISTANCE = 0.0004 / 0.46 + 1 / np.sqrt((0.46 / (0.0018 * 0.065)) ** 2 * (1 + 0.0018**2) - 1)
+"""Rolling and bearing resistance of the rig, relative to its load."""
 
 
 def braked(samples=60, force=2e4, alpha=0.08, mu_b=0.35, seed=3):
     """Return the closed form of a sliding rig with constant force, adhesion and friction, and noisy readings."""
     time = np.arange(samples) * PERIOD
-    resistance = 0.0004 / 0.46 + 1 / np.sqrt((0.46 / (0.0018 * 0.065)) ** 2 * (1 + 0.0018**2) - 1)
-    rate = (0.46 * 98.1e3 * (alpha - resistance) - 2 * mu_b * 0.25 * force) / 130
+    rate = (0.46 * 98.1e3 * (alpha - RESISTANCE) - 2 * mu_b * 0.25 * force) / 130
     w, v = 60.0 + rate * time, 30.0 - alpha * 98.1e3 / 20e3 * time
     noise = np.random.default_rng(seed).standard_normal((2, samples))
     return recording_of(
@@ -61,11 +62,10 @@ def test_without_drag_the_filter_is_the_kalman_filter_with_q_and_r_as_printed(un
     A = np.zeros((4, 4))
     A[0] = 0.0, 0.0, -2 * 0.25 * force / 130, 0.46 * 98.1e3 / 130
     A[1] = 0.0, 0.0, 0.0, -98.1e3 / 20e3
-    resistance = 0.0004 / 0.46 + 1 / np.sqrt((0.46 / (0.0018 * 0.065)) ** 2 * (1 + 0.0018**2) - 1)
     y = np.stack([recording["reading_wheelset_speed"].values, recording["reading_speed"].values], axis=1)
     reference = KalmanFilter(dim_x=4, dim_z=2, dim_u=1)
     reference.F, reference.H = expm(A * PERIOD), np.eye(2, 4)
-    reference.B = np.array([[-0.46 * 98.1e3 / 130 * resistance * PERIOD], [0.0], [0.0], [0.0]])
+    reference.B = np.array([[-0.46 * 98.1e3 / 130 * RESISTANCE * PERIOD], [0.0], [0.0], [0.0]])
     reference.Q, reference.R = np.diag(list(EQUATION_20.values())), np.diag(list(READINGS_20.values()))
     reference.x, reference.P = np.array([*y[0], 0.35, 0.0]), np.diag([0.3, 0.1, 0.04, 0.02]) ** 2
     for k in range(1, len(y)):

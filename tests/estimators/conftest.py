@@ -1,7 +1,7 @@
 """Fixtures of several tests of the estimators."""
 
 import pytest
-from small_models import WHEELSET, wheelset
+from small_models import OSCILLATOR, WHEELSET, oscillator, wheelset
 
 from railgrip.estimators.prediction import CasadiPrediction
 
@@ -10,3 +10,9 @@ from railgrip.estimators.prediction import CasadiPrediction
 def rolling() -> CasadiPrediction:
     """Return the prediction of a rolling wheelset."""
     return CasadiPrediction(wheelset(), WHEELSET)
+
+
+@pytest.fixture(scope="session")
+def linear() -> CasadiPrediction:
+    """Return the linear prediction of two masses on springs."""
+    return CasadiPrediction(oscillator(), OSCILLATOR)

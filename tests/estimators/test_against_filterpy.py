@@ -17,7 +17,7 @@ from filterpy.monte_carlo import systematic_resample as reference_resample
 from sampling import FUZZ
 from scipy.linalg import expm
 from scipy.optimize import least_squares, minimize
-from small_models import DENSITY, FIRST_MEAN, FIRST_VARIANCE, OSCILLATOR, PERIOD, READING, oscillator, small_model
+from small_models import DENSITY, FIRST_MEAN, FIRST_VARIANCE, PERIOD, READING, small_model
 
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import GaussianEstimate, advance, transition
@@ -55,11 +55,6 @@ class Frozen(SageHusaFilter):
     """Sage-Husa with an infinite memory."""
 
     memory = float("inf")
-
-
-@pytest.fixture(scope="module")
-def linear():
-    return CasadiPrediction(oscillator(), OSCILLATOR)
 
 
 def reference_filter(prediction, density=LINEAR["density"]):

@@ -248,17 +248,15 @@ def test_an_estimator_that_diverged_in_every_case_has_empty_cells():
 
 
 @pytest.mark.usefixtures("in_process")
-def test_a_small_run_writes_page_tables_and_json(tmp_path):
+def test_a_small_run_states_that_it_does_not_rank_estimators(tmp_path):
     study = Estimators(estimator=["fmu"], count=2)
     with work("estimators", tmp_path, workers=1) as job:
         page = study.page(job)
-    path = page.write(tmp_path)
-    assert "posterior Cramér-Rao bound" in path.read_text(encoding="utf-8")
+    page.write(tmp_path)
     assert "targets.csv" not in page.tables  # targets are for the estimators of the project
     assert "over 2 recordings, too few to rank estimators, is" in page.answer
     rows = json.loads((tmp_path / "estimators.json").read_text(encoding="utf-8"))
     assert {row["estimator"] for row in rows} == {CONSTANT, FORCE_BALANCE, "fmu"}
-    assert (tmp_path / "leaderboard.csv").is_file()
 
 
 @pytest.mark.parametrize(("options", "sentence"), table(__file__, "tables.toml")["wrong_estimators"])

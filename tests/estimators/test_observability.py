@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from scipy.linalg import expm
-from small_models import OSCILLATOR, oscillator, small_model
+from small_models import small_model
 
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.observability import along, gramian, observability, readings_and_rates
@@ -26,26 +26,24 @@ def test_a_hidden_direction_names_all_states_that_contribute():
     assert np.abs(found.null_space[0]) == pytest.approx([0.0, np.sqrt(0.5), np.sqrt(0.5)], abs=1e-12)
 
 
-def test_linear_rank_is_that_of_the_kalman_matrix():
-    prediction = CasadiPrediction(oscillator(), OSCILLATOR)
+def test_linear_rank_is_that_of_the_kalman_matrix(linear):
     origin, nothing = np.zeros(4), np.zeros(1)
-    A, C = prediction.derivative_jacobian(origin, nothing), prediction.output_jacobian(origin, nothing)
+    A, C = linear.derivative_jacobian(origin, nothing), linear.output_jacobian(origin, nothing)
     kalman = np.concatenate([C @ np.linalg.matrix_power(A, k) for k in range(4)])
-    assert readings_and_rates(prediction, 3, origin, nothing)[1] == pytest.approx(kalman, rel=1e-9)
-    found = observability(prediction, origin, nothing, np.array([1e-3, 1e-3, 0.1, 0.1]))
+    assert readings_and_rates(linear, 3, origin, nothing)[1] == pytest.approx(kalman, rel=1e-9)
+    found = observability(linear, origin, nothing, np.array([1e-3, 1e-3, 0.1, 0.1]))
     assert found.complete
 
 
-def test_gramian_of_a_linear_model_is_the_sum_over_its_exponential():
-    prediction = CasadiPrediction(oscillator(), OSCILLATOR)
+def test_gramian_of_a_linear_model_is_the_sum_over_its_exponential(linear):
     origin, nothing = np.zeros(4), np.zeros(1)
-    A, C = prediction.derivative_jacobian(origin, nothing), prediction.output_jacobian(origin, nothing)
+    A, C = linear.derivative_jacobian(origin, nothing), linear.output_jacobian(origin, nothing)
     R = np.diag([1e-8, 1e-2])
     expected = np.zeros((4, 4))
     for k in range(100):
         seen = C @ expm(A * k * 1e-3)
         expected += seen.T @ np.linalg.inv(R) @ seen
-    ours = gramian(prediction, np.zeros((100, 4)), np.zeros((100, 1)), 1e-3, np.diag(R))
+    ours = gramian(linear, np.zeros((100, 4)), np.zeros((100, 1)), 1e-3, np.diag(R))
     # Φ to the power of 100 carries 100 times its Taylor remainder, (|λ|T)⁵/120 = 1e-8 with |λ| = 66 1/s.
     size = np.sqrt(np.diag(expected))
     assert np.max(np.abs(ours - expected) / np.outer(size, size)) < 4 * 100 * 1e-8
