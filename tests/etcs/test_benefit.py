@@ -204,16 +204,11 @@ def test_the_question_of_an_operator_in_one_command(few_draws, monkeypatch):
     page = study.page(Here())
     assert "shortens the headway by" in page.answer
     assert [row["measure"] for row in page.tables["gains.csv"].rows] == [BASE, "sand", "slip_two_state", "all together"]
-    given = [BASE, "2024", "a_b", "x-1.5"]
-    variants = [replace(one, name=name) for one, name in zip(chain.variants, given, strict=True)]
-    _, *headways, legend = module.draw(replace(chain, variants=variants)).axes
-    assert [text.get_text() for text in legend.get_legend().get_texts()][:4] == given
-    assert [tick.get_text() for tick in headways[0].get_yticklabels()] == [BASE, "2024", "a b", "x-1.5"]
+    _, *headways, _ = module.draw(chain).axes
     for system, panel in enumerate(headways):
         for bars in panel.containers:
             seconds = [one[system].parts[bars.get_label()] for one in chain.deciding]
             assert [bar.get_width() for bar in bars] == pytest.approx(seconds)
-            assert [bar.get_y() + bar.get_height() / 2 for bar in bars] == [0, 1, 2, 3]
 
 
 @pytest.mark.parametrize(

@@ -79,20 +79,14 @@ def test_braked_weight_percentages_are_those_of_the_leaflet():
     assert braked_weight_percentage(100 / 3.6, 300, BRAKED_WEIGHT) is None  # 195 %
 
 
-def test_a_calculation_is_a_page_a_pdf_and_json(railgrip, tmp_path):
+def test_a_calculation_is_a_pdf_that_can_be_reproduced_and_json(railgrip, tmp_path):
     code, out, err = railgrip("train", "calculate", str(UNIT), "--speed", "160 km/h", "--out", "report")
     assert (code, err) == (0, "")
     assert "1170.8 m" in out
-    page = (tmp_path / "report/index.html").read_text(encoding="utf-8").replace("\u00a0", " ")
-    assert all(words in page for words in ("1170.8 m", "16.074 kN", "UIC 544-1", "signature", "digest of its file"))
     first = (tmp_path / "report/calculation.pdf").read_bytes()
     assert first.startswith(b"%PDF")
     railgrip("train", "calculate", str(UNIT), "--speed", "160 km/h", "--out", "report")
     assert (tmp_path / "report/calculation.pdf").read_bytes() == first
-    # Tables follow one another; a table of 46 axles goes on after the end of a sheet.
-    assert first.count(b"/Type /Page ") == 2
-    railgrip("train", "calculate", "loco_coaches", "--speed", "100 km/h", "--out", "long")
-    assert (tmp_path / "long/calculation.pdf").read_bytes().count(b"/Type /Page ") == 3
     code, out, _ = railgrip("train", "calculate", str(UNIT), "--json")
     assert [round(3.6 * stop["speed"]) for stop in json.loads(out)["stops"]] == [100, 120, 140, 160]
     assert json.loads(out)["remarks"] == []
@@ -308,18 +302,15 @@ def test_the_published_stops_of_the_empty_wagon_are_met(wagon, speed, distance):
     )
 
 
+def with_load_valve(wagon, **empty):
+    """Give the wagon a valve with a share of the pressure at the mass of the empty car, and all of it at 90 t."""
+    wagon["load_valves"] = {"valve": {"kind": "valve", "full_mass": "90 t", "estimated": True} | empty}
+    wagon["cars"][0]["load_valve"] = "valve"
+
+
 def test_a_load_valve_gives_the_pressure_of_the_load(wagon):
     """Halfway between 25.5 t and 90 t it is halfway between its share and 1; beyond both it is constant."""
-    wagon["load_valves"] = {
-        "valve": {
-            "kind": "valve",
-            "empty_share": 0.4,
-            "empty_mass": "25.5 t",
-            "full_mass": "90 t",
-            "estimated": True,
-        }
-    }
-    wagon["cars"][0]["load_valve"] = "valve"
+    with_load_valve(wagon, empty_share=0.4, empty_mass="25.5 t")
     for mass, share in (("20 t", 0.4), ("57.75 t", 0.7), ("90 t", 1.0), ("99 t", 1.0)):
         wagon["cars"][0]["mass"] = mass
         train = train_of(wagon, "wagon.toml")
@@ -361,10 +352,7 @@ def test_a_load_valve_keeps_the_deceleration(wagon):
     """As leezer3/OpenBVE#623 asks: with a share in proportion to the mass, and without a spring, by less than 1 %."""
     wagon["brakes"]["block"]["spring_force"] = 0
     wagon["blocks"]["composite"]["law"] = "composite_k"
-    wagon["load_valves"] = {
-        "valve": {"kind": "valve", "empty_share": 0.5, "empty_mass": "45 t", "full_mass": "90 t", "estimated": True}
-    }
-    wagon["cars"][0]["load_valve"] = "valve"
+    with_load_valve(wagon, empty_share=0.5, empty_mass="45 t")
     wagon["davis"] |= {"constant": 0, "quadratic": 0}
     wagon["bogies"]["Y25"]["inertia"] = ["10 kg.m2"]
     full = mean_stop(train_of(wagon, "wagon.toml"), 20.0)
@@ -507,8 +495,4 @@ def test_the_calculation_has_the_scatter_of_its_draws(railgrip):
     assert found["P5"] < found["P50"] < found["longest"]
     code, out, _ = railgrip(*arguments)
     assert code == 0
-    assert "Distances with drawn brakes" in out
-    page = Path("build/trains/vt642/index.html").read_text(encoding="utf-8").replace("\u00a0", " ")
-    assert "Stops with drawn brakes" in page
-    assert f"{found['standard deviation']:.2f} m" in page
-    assert "standard deviation" in Path("build/trains/vt642/scatter.csv").read_text(encoding="utf-8")
+    assert f"{found['standard deviation']:.2f}" in out

@@ -79,6 +79,8 @@ def axle_masses_of_bogies(tables: Tables) -> None:
 
 MISTAKES: dict[str, Callable[[Tables], None]] = {
     "the diameter of wheels for their radius": scale("bogies", "wheel_radius", 2, "m"),
+    "the radius of wheels in mm": scale("bogies", "wheel_radius", 1e3, "m"),
+    "the radius of wheels in inches": scale("bogies", "wheel_radius", 39.37, "m"),
     "the diameter of discs for the radius of pads": scale("brakes", "friction_radius", 2, "m"),
     "inertia 100 times as high": scale("bogies", "inertia", 100, "kg.m2"),
     "inertia in t.m2": scale("bogies", "inertia", 1e-3, "kg.m2"),
@@ -92,6 +94,7 @@ MISTAKES: dict[str, Callable[[Tables], None]] = {
     "a drag coefficient 10 times as high": scale("resistance", "drag_coefficient", 10, "1"),
     "the frontal area in cm2": scale("resistance", "frontal_area", 1e4, "m2"),
     "pressure in MPa for bar": scale("brakes", "pressure_max", 10, "Pa"),
+    "pressure in bar for Pa": scale("brakes", "pressure_max", 1e-5, "Pa"),
     "pressure in kPa for Pa": scale("brakes", "pressure_max", 1e-3, "Pa"),
     "the force of the spring in kN for N": scale("brakes", "spring_force", 1e-3, "N"),
     "the diameter of the piston for its area": set_to("brakes", "piston_area", 0.203),
@@ -100,7 +103,9 @@ MISTAKES: dict[str, Callable[[Tables], None]] = {
     "pad friction in per cent": scale("brakes", "pad_friction", 100, "1"),
     "the rigging ratio for all axles of the train": scale("brakes", "rigging", 8, "1"),
     "twice as many brake units": scale("bogies", "units", 2, "1"),
+    "axle positions in mm": scale("bogies", "axles", 1e3, "m"),
     "axle positions in feet": scale("bogies", "axles", 3.281, "m"),
+    "the length of cars in mm": scale("cars", "length", 1e3, "m"),
     "the length of cars in feet": scale("cars", "length", 3.281, "m"),
     "the mass of frames for all bogies": scale("bogies", "frame_mass", 10, "kg"),
     "stiffness in N/mm for N/m": scale("bogies", "stiffness", 1e-3, "N/m"),
