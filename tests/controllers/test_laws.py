@@ -1,5 +1,6 @@
 """The laws on a minimal wheelset: a torque balance on an adhesion curve in closed form."""
 
+import itertools
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -85,41 +86,37 @@ def test_the_literal_law_chatters_around_the_peak():
     assert 0.5 * 0.06 < chatter < found
 
 
-def test_each_guard_of_the_literal_law_can_be_switched_off():
-    def demands(tuning, *slips, adhesion=0.05, speed=SPEED):
-        law = LiteralAdhesionBased([GROUP], tuning)
-        return [law.decide(observed(0, speed, 0, (slip,), (adhesion,), (0.35,), (0.0,)))[0] for slip in slips]
+def demands_of(tuning, slips, adhesions=(0.05, 0.05, 0.05), speed=SPEED):
+    """Return the demands of the literal law at slips and adhesions one after the other."""
+    law = LiteralAdhesionBased([GROUP], tuning)
+    return [
+        law.decide(observed(0, speed, 0, (slip,), (adhesion,), (0.35,), (0.0,)))[0]
+        for slip, adhesion in zip(slips, adhesions, strict=False)
+    ]
 
+
+def test_each_guard_of_the_literal_law_can_be_switched_off():
     full = GROUP.pressure_max
     # If slip and adhesion do not change, the product of their rates is zero.
-    assert demands(PRINTED, 0.05, 0.05) == [full, full]
-    assert demands(replace(PRINTED, hold=0.0), 0.05, 0.05) == [0.5 * full, 0.5 * full]
+    assert demands_of(PRINTED, [0.05] * 2) == [full, full]
+    assert demands_of(replace(PRINTED, hold=0.0), [0.05] * 2) == [0.5 * full, 0.5 * full]
     # A rolling wheel is braked fully whatever the rates.
     unguarded = replace(PRINTED, hold=0.0, slip_small=0.0, creep_small=0.0, adhesion_small=0.0)
-    assert demands(replace(PRINTED, hold=0.0), 0.001) == [full]
-    assert demands(unguarded, 0.001) == [0.5 * full]
+    assert demands_of(replace(PRINTED, hold=0.0), [0.001]) == [full]
+    assert demands_of(unguarded, [0.001]) == [0.5 * full]
     # Below 0.5 m/s the law does not act.
-    assert demands(replace(PRINTED, hold=0.0), 0.05, speed=0.3) == [full]
-    assert demands(replace(PRINTED, hold=0.0, speed_min=0.0), 0.05, speed=0.3) == [0.5 * full]
+    assert demands_of(replace(PRINTED, hold=0.0), [0.05], speed=0.3) == [full]
+    assert demands_of(replace(PRINTED, hold=0.0, speed_min=0.0), [0.05], speed=0.3) == [0.5 * full]
 
 
 def test_the_alternative_switching_function_has_the_same_sign_outside_its_dead_zone():
     """sgn(α̇/ṡ) = sgn(ṡ α̇); while slip rests, the quotient has no value, and the last pressure is held."""
-
-    def demands(quotient, slips, adhesions):
-        law = LiteralAdhesionBased([GROUP], replace(PRINTED, quotient=quotient))
-        return [
-            law.decide(observed(0, SPEED, 0, (slip,), (adhesion,), (0.35,), (0.0,)))[0]
-            for slip, adhesion in zip(slips, adhesions, strict=True)
-        ]
-
-    full = GROUP.pressure_max
+    quotient, product = replace(PRINTED, quotient=1.0), replace(PRINTED, quotient=0.0)
     rising, falling = [0.05, 0.06, 0.07], [0.07, 0.06, 0.05]
-    for slips in (rising, falling):
-        for adhesions in ([0.05, 0.06, 0.07], [0.07, 0.06, 0.05]):
-            assert demands(1.0, slips, adhesions) == demands(0.0, slips, adhesions)
-    assert demands(1.0, rising, [0.07, 0.06, 0.05])[-1] == 0.0
-    assert demands(1.0, [0.05] * 3, [0.05, 0.06, 0.07]) == [full] * 3
+    for slips, adhesions in itertools.product((rising, falling), repeat=2):
+        assert demands_of(quotient, slips, adhesions) == demands_of(product, slips, adhesions)
+    assert demands_of(quotient, rising, falling)[-1] == 0.0
+    assert demands_of(quotient, [0.05] * 3, rising) == [GROUP.pressure_max] * 3
 
 
 def test_two_level_control_keeps_the_slip_between_its_levels():

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 import railgrip as rg
 from railgrip.base.errors import EstimateWarning, InputError
 from railgrip.cli.app import app
+from railgrip.scenario.file import inline_toml
 
 
 def answer_of_command(arguments):
@@ -67,16 +68,10 @@ def test_estimate_and_its_command_agree(tmp_path, fault):
     base, change, changes = FAULTS[fault]
     signals = wagon() if change is None else changed(wagon(), base, change)
     arguments = written(tmp_path, signals)
-    options = [f"--set={key}={_toml(value)}" for key, value in changes.items()]
+    options = [f"--set={key}={inline_toml(value)}" for key, value in changes.items()]
     code, text = answer_of_command([*arguments, *options])
     found, sentences = answer_of_python(tmp_path, changes)
     assert found == code, f"{text}\n{sentences}"
     for line in sentences.splitlines():
         assert "".join(line.split()) in "".join(text.split())
     assert code == 0 or fault != "none"
-
-
-def _toml(value):
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {_toml(inner)}" for key, inner in value.items()) + "}"
-    return f'"{value}"' if isinstance(value, str) else str(value)

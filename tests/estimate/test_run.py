@@ -77,26 +77,6 @@ def test_without_drag_the_filter_is_the_kalman_filter_with_q_and_r_as_printed(un
         assert estimates["sd"].values[k] == pytest.approx(np.sqrt(np.diag(reference.P)), rel=5e-6, abs=1e-12)
 
 
-def test_a_filter_with_true_noises_is_consistent(undragged):
-    """With constant states the mean squared normalised error of each state over runs is 1."""
-    honest = replace(
-        SETTINGS,
-        process={"w": 1e-12, "v": 1e-12, "mu_b": 1e-14, "alpha": 1e-14},
-        readings={"wheelset_speed": 3.2e-5**2, "speed": 3.2e-4**2},
-        start={"w": 60.0, "v": 30.0, "mu_b": 0.35, "alpha": 0.08},
-    )
-    last = []
-    for seed in range(60):
-        recording = braked(seed=seed)
-        # The initial error has the standard deviation of the start.
-        off = np.random.default_rng(1000 + seed).standard_normal(4) * [0.3, 0.1, 0.04, 0.02]
-        start = dict(zip(("w", "v", "mu_b", "alpha"), np.array([60.0, 30.0, 0.35, 0.08]) + off, strict=True))
-        estimates = estimate(recording, undragged, replace(honest, start=start))
-        last.append([judge(recording, estimates, s, np.arange(60) == 59).nees for s in ("mu_b", "alpha")])
-    # 60 runs of one degree of freedom each: the mean has a standard deviation of sqrt(2/60) = 0.18; four of them.
-    assert np.mean(last, axis=0) == pytest.approx([1.0, 1.0], abs=4 * 0.18)
-
-
 def test_inputs_may_be_held_or_averaged(undragged):
     """For a ramp of the pad force, held inputs are delayed by half a period, averaged inputs are not."""
     recording = braked()
