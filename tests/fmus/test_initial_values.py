@@ -51,19 +51,6 @@ def test_a_periodic_pulse_starts_within_its_period(modelica, interface, section,
 
 
 @pytest.mark.parametrize("interface", INTERFACES)
-@pytest.mark.parametrize("left", ["{}", "pre({})"])
-def test_initial_equations_set_variables_that_only_when_clauses_change(modelica, interface, left):
-    """MLS 3.6, section 8.6: before the first event such a variable has its value before the start."""
-    equations = "; ".join(f"{left.format(name)} = {value}" for name, value in (("n", 5), ("d", "2*p"), ("b", "true")))
-    fmu = modelica(
-        f"model M parameter Real p = 1.25; Integer n; Real d; Boolean b; initial equation {equations}; equation"
-        " when time > 0.45 then n = pre(n) + 1; d = pre(d)*2; b = not pre(b); end when; end M;"
-    )
-    n, d, b = trajectory(fmu, interface, "n", "d", "b", p=2.0)
-    assert (n[0], d[0], b[0], n[-1], d[-1], b[-1]) == (5, 4, 1, 6, 8, 0)
-
-
-@pytest.mark.parametrize("interface", INTERFACES)
 def test_the_start_of_a_discrete_variable_follows_its_parameter(modelica, interface):
     fmu = modelica(
         "model M parameter Real p = 2; discrete Real d(start=2*p, fixed=true); Real x(start=0, fixed=true); equation"
@@ -93,18 +80,6 @@ def test_a_step_of_a_state_graph_is_left_at_its_transition(modelica, interface):
     )
     (active,) = trajectory(fmu, interface, "active")
     assert active == [1.0] * 6 + [0.0] * 5
-
-
-@pytest.mark.parametrize("interface", INTERFACES)
-def test_hysteresis_keeps_its_initial_branch(modelica, interface):
-    """u = 1 − 2 t falls through 0.5 at 0.25 s and −0.5 at 0.75 s."""
-    fmu = modelica(
-        "model M parameter Boolean high = true; Real u = 1 - 2*time; Boolean y, never; initial equation pre(y) = high;"
-        " pre(never) = false; equation y = pre(y) and u >= -0.5 or u > 2; never = not pre(never) and u > 2; end M;"
-    )
-    y, never = trajectory(fmu, interface, "y", "never")
-    assert y == [1.0] * 8 + [0.0] * 3
-    assert not any(never)
 
 
 # Declarations and equations → initial value of x.

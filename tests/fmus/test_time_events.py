@@ -110,20 +110,6 @@ def test_each_crossing_of_a_function_of_time_is_an_event(modelica, interface, ex
     assert (end["n"], end["read"]) == (edges, edges)
 
 
-@pytest.mark.parametrize("interface", INTERFACES)
-def test_each_event_schedules_the_next(modelica, interface):
-    """Events at 0.1, 0.15, 0.3, 0.55 and 0.9 s: each is 0.05 s + 0.1 s n after the last."""
-    fmu = modelica(
-        "model M discrete Real next(start=0.1,fixed=true), at(start=0,fixed=true); Integer n(start=0,fixed=true);"
-        " Real x(start=0,fixed=true); equation der(x) = n;"
-        " when time >= pre(next) then next = time + 0.1*pre(n) + 0.05; n = pre(n) + 1; at = time; end when; end M;"
-    )
-    end = ends(fmu, interface)
-    assert end["n"] == 5
-    assert (end["next"], end["at"]) == pytest.approx((1.35, 0.9), abs=1e-12)
-    assert end["x"] == pytest.approx(0.05 * 1 + 0.15 * 2 + 0.25 * 3 + 0.35 * 4 + 0.1 * 5, abs=2e-5)
-
-
 def test_functions_of_time_are_searched_in_a_model_without_states(modelica, run):
     """sin(20 t) > 0.5 holds from asin(0.5)/20 in each period of π/10 s; the location is accurate to 1e-10 s."""
     fmu = modelica(
