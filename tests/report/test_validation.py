@@ -13,13 +13,12 @@ from validation import (
     TABLES,
     distances_figure,
     tables,
-    tables_of_cases,
     tolerances_table,
 )
 
 from railgrip.base.errors import RecordError, ScenarioError
 from railgrip.base.registry import shelf
-from railgrip.report.baseline import AcceptedValue, Baseline, load_baseline, write_baseline
+from railgrip.report.baseline import AcceptedValue, Baseline, load_baseline
 from railgrip.report.style import save
 from railgrip.report.table import END, write_tables
 from railgrip.scenario.campaign import load_campaign
@@ -44,16 +43,6 @@ source = "a book"
 match = { controller = "abc" }
 distance = 369
 source = "a book"
-"""
-
-CASES = """
-[axes.case.light_train]
-truth.load = 0.8
-[axes.case.as_believed]
-[axes.controller.sbc]
-controller.kind = "slip_two_state"
-[axes.controller.abc]
-controller.kind = "adhesion_based"
 """
 
 
@@ -139,21 +128,6 @@ def test_the_figure_has_medians_over_lots_or_else_the_accepted_distance(campaign
     assert title == "In service slope-seeking control stops 8 % shorter than slip-based control as published"
     moved = baseline.model_copy(update={"accepted": {name: stop(500) for name in baseline.accepted}})
     assert drawn(distances_figure(campaign, moved)[0])[:2] == ([500, 500], [])
-
-
-def test_a_baseline_of_some_stops_has_a_row_for_each_case(tmp_path):
-    campaign, patterns = written(tmp_path, CASES), ("*-sbc",)
-    accepted = {"random-light_train-sbc": stop(400), "random-as_believed-sbc": stop(310, lowest=290, highest=340)}
-    some = Baseline(campaign="c.toml", stops=patterns, accepted=accepted)
-    assert [one.name for one in some.selection(campaign).stops] == [*accepted]
-    assert str(tables_of_cases(campaign, some)["distances"]).splitlines() == [
-        "| case | SBC, two-state 10/15 % |",
-        "|---|--:|",
-        "| light train | 400.0 m |",
-        "| as believed | 310.0 m, 290.0 – 340.0 m |",
-    ]
-    write_baseline(some, tmp_path / "some.toml")
-    assert load_baseline(tmp_path / "some.toml") == some
 
 
 @pytest.fixture
