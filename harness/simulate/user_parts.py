@@ -248,6 +248,7 @@ class _Adapter:
 
     role: ClassVar[Role]
     failed: ClassVar[type[RailgripError]]
+    _shapes: Mapping[str, tuple[int, ...]]
 
     def __init__(self, part: object) -> None:
         """Check the methods of an object.
@@ -291,19 +292,13 @@ class _Adapter:
         return f"{self.name}.{method} failed in {_file(theirs[-1].filename)}, line {theirs[-1].lineno}: {what}."
 
     def _require_numbers(
-        self,
-        method: str,
-        name: str,
-        value: Any,
-        shape: tuple[int, ...],
-        time: float | None = None,
-        *,
-        nan: bool = False,
+        self, method: str, values: Mapping[str, Any], time: float | None = None, *, nan: bool = False
     ) -> None:
-        """Raise an error unless a returned value is an array of finite numbers of a shape; with `nan`, or of NaN."""
-        if problem := problem_with(value, shape, nan=nan):
-            kind = "numbers" if nan else "finite numbers"
-            raise self._error(method, f"gave {name} as {problem}, not {kind} of shape {shape}", time)
+        """Raise an error unless returned values are arrays of finite numbers of their shapes; with `nan`, or of NaN."""
+        for name, value in values.items():
+            if problem := problem_with(value, self._shapes[name], nan=nan):
+                kind = "numbers" if nan else "finite numbers"
+                raise self._error(method, f"gave {name} as {problem}, not {kind} of shape {self._shapes[name]}", time)
 
 
 class CustomController(_Adapter):
@@ -385,8 +380,8 @@ class CustomEstimator(_Adapter):
         if values.keys() != set(self.provides):
             given = ", ".join(values) or "nothing"
             raise self._error("step", f"gave {given}; it provides {', '.join(self.provides)}")
+        self._require_numbers("step", values)
         for name, value in values.items():
-            self._require_numbers("step", name, value, self._shapes[name])
             if words := self._mistake(name, value, observation):
                 raise self._error("step", f"gave {name} as {np.asarray(value).tolist()}{words}")
         return {name: np.array(value, dtype=np.float64, ndmin=1) for name, value in values.items()}
@@ -434,9 +429,9 @@ class CustomSensors(_Adapter):
         if by_name is None or not by_name.keys() <= self._shapes.keys():
             expected = f"readings of {', '.join(self._shapes)} by name"
             raise self._error("read", f"returned {_short(readings)}, not {expected}", time)
+        self._require_numbers("read", by_name, time, nan=True)
         reading = np.full(self._layout.readings, np.nan)
         for name, value in by_name.items():
-            self._require_numbers("read", name, value, self._shapes[name], time, nan=True)
             reading[self._layout.reading[name]] = value
             expected = self._truth_by_name.get(name)
             if name in self._checks and (words := self._checks[name].mistake(time, value, expected)):
@@ -507,9 +502,9 @@ class CustomPlant(_Adapter):
         return self._steps * self._period
 
     def _vector(self, method: str, outputs: Mapping[str, ArrayLike]) -> Array:
+        self._require_numbers(method, outputs, self._time)
         truth = np.full(self._layout.outputs, np.nan)
         for name, value in outputs.items():
-            self._require_numbers(method, name, value, self._shapes[name], self._time)
             truth[self._layout.output[name]] = value
         return truth
 
@@ -707,7 +702,10 @@ def table_of(part: object, table: type[_Table] = Custom, **keys: Any) -> _Table:
     """Return the table that represents an object given by a caller; `keys` are further keys of that table."""
     if isinstance(part, FormulaLaw):
         return table(kind=_name(part.kind), parameters=dict(part.parameters), **keys)
-    return table(kind=_name(type(part)), parameters=_plain_attributes(part), **keys)
+    attributes: dict[str, object] = vars(part) if hasattr(part, "__dict__") else {}
+    values = {name: _plain(value) for name, value in attributes.items() if not name.startswith("_")}
+    known = {name: value for name, value in values.items() if value is not None}
+    return table(kind=_name(type(part)), parameters=known, **keys)
 
 
 def origin_of(part: object, parameters: Mapping[str, Any]) -> JsonObject:
@@ -733,12 +731,6 @@ def _source(kind: type) -> str | None:
         except (OSError, TypeError):
             return None
     return hashlib.sha256(content).hexdigest()
-
-
-def _plain_attributes(part: object) -> JsonObject:
-    attributes: dict[str, object] = vars(part) if hasattr(part, "__dict__") else {}
-    values = {name: _plain(value) for name, value in attributes.items() if not name.startswith("_")}
-    return {name: value for name, value in values.items() if value is not None}
 
 
 def _plain(value: object, levels: int = 12) -> Any:
