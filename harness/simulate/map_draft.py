@@ -194,8 +194,9 @@ def find_mapping(
     declared = frozenset(ElementName.of(name).array for name in description.names("parameter")) & DESCRIPTIVE.keys()
     draft = replace(_draft_mapping(description, wheelsets_per_group), declared=declared)
     if draft.missing:
-        wheelsets, kinds = draft.formation.wheelsets, ("input", "output", "parameter")
-        draft = replace(draft, unused=_unused_variables(description, draft.table, wheelsets, kinds))
+        kinds: Sequence[Causality] = ("input", "output", "parameter")
+        unused = _unused_variables(description, draft.table, draft.formation.wheelsets, kinds)
+        draft = replace(draft, unused=unused)
     else:
         first_draft, numbers = draft, itertools.count(1)
 
