@@ -4,7 +4,7 @@ Every table of numbers has an origin: `source = "…"` for published values, `es
 estimates. No physical value has a default.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -724,10 +724,9 @@ class Train(Table):
                 "needs one of [resistance] and [davis]: the running resistance by its causes, or by speed"
             )
         for kind, brake in self.brakes.items():
-            _require_names("pads", [brake.pads] if brake.pads else [], self.pads, f"[brakes.{kind}] pads")
-            _require_names("blocks", [brake.blocks] if brake.blocks else [], self.blocks, f"[brakes.{kind}] blocks")
+            self._require_names(brake, f"[brakes.{kind}]")
         for kind, bogie in self.bogies.items():
-            _require_names("brakes", [bogie.brake], self.brakes, f"[bogies.{kind}] brake")
+            self._require_names(bogie, f"[bogies.{kind}]")
             of_build_up = (bogie.build_up_delay, bogie.build_up_time)
             if of_build_up != (None, None):
                 if None in of_build_up:
@@ -737,9 +736,6 @@ class Train(Table):
                         f"[bogies.{kind}] build_up_delay needs [command] kind = 'electropneumatic'; behind a brake "
                         "pipe the distributor of its car has the times"
                     )
-            for key in ("track_brake", "dynamic_brake", "parking_brake"):
-                name = getattr(bogie, key)
-                _require_names(f"{key}s", [name] if name else [], getattr(self, f"{key}s"), f"[bogies.{kind}] {key}")
             for key in ("dynamic", "parking"):
                 units = getattr(bogie, f"{key}_units")
                 if units != (1,) and getattr(bogie, f"{key}_brake") is None:
@@ -753,16 +749,10 @@ class Train(Table):
                 )
         for number, car in enumerate(self.cars, start=1):
             where = f"[cars[{car.entry}]]"
-            _require_names("bogies", [mount.kind for mount in car.bogies], self.bogies, f"{where} bogies")
-            _require_names("couplers", [car.coupler] if car.coupler else [], self.couplers, f"{where} coupler")
-            for key, table in (("distributor", self.distributors), ("accelerator", self.accelerators)):
-                name = getattr(car, key)
-                _require_names(f"{key}s", [name] if name else [], table, f"{where} {key}")
-                if name and not isinstance(self.command, BrakePipe):
+            self._require_names(car, where)
+            for key in ("distributor", "accelerator"):
+                if getattr(car, key) and not isinstance(self.command, BrakePipe):
                     raise table_error(f"{where} {key} needs a brake pipe: give [command] kind = 'brake_pipe', too")
-            _require_names(
-                "load_valves", [car.load_valve] if car.load_valve else [], self.load_valves, f"{where} load_valve"
-            )
             count = sum(len(self.bogies[mount.kind].axles) for mount in car.bogies)
             if car.load_valve and any(mount.shared for mount in car.bogies):
                 raise table_error(f"{where} load_valve: the load of a shared bogie is not that of one car")
@@ -793,6 +783,21 @@ class Train(Table):
         self._check_blending()
         self._check_air()
         return self
+
+    def _require_names(self, entry: Table, where: str) -> None:
+        """Raise an error for a name in an entry, as in its key `coupler`, that is not in the table, as [couplers]."""
+        for key in type(entry).model_fields:
+            value, table = getattr(entry, key), f"{key.removesuffix('s')}s"
+            if value is None or table not in type(self).model_fields:
+                continue
+            choice = getattr(self, table)
+            for name in [mount.kind for mount in value] if key == "bogies" else [value]:
+                if name not in choice:
+                    raise table_error(
+                        f"{where} {key} names '{name}', which is not in [{table}]; it has "
+                        + (", ".join(choice) or "no entries")
+                        + did_you_mean(name, choice, before="; ")
+                    )
 
     def _check_air(self) -> None:
         if self.air is None:
@@ -1034,15 +1039,6 @@ class Train(Table):
     def _axle_masses(self, car: Car) -> Sequence[float]:
         count = sum(len(self.bogies[mount.kind].axles) for mount in car.bogies)
         return car.axle_masses or [car.mass / max(count, 1)] * count
-
-
-def _require_names(table: str, names: Sequence[str], choice: Mapping[str, Table], where: str) -> None:
-    for name in names:
-        if name not in choice:
-            raise table_error(
-                f"{where} names '{name}', which is not in [{table}]; it has {', '.join(choice) or 'no entries'}"
-                + did_you_mean(name, choice, before="; ")
-            )
 
 
 NAMED = ("vt642", "emu387", "loco_coaches", "tram")
