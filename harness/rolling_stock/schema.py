@@ -717,6 +717,9 @@ class Train(Table):
     )
     failures: Failures | None = Field(default=None, description="failures of the brake, for K_dry")
 
+    def __hash__(self) -> int:
+        return hash(self.model_dump_json())
+
     @model_validator(mode="after")
     def _check_references(self) -> Self:
         if (self.resistance is None) == (self.davis is None):

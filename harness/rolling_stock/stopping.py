@@ -17,7 +17,7 @@ from railgrip.base.arrays import Matrix, Vector
 from railgrip.base.errors import InputError
 from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.brakes import CONSTANT, SHAPE, BlockLaw
-from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, Train
+from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, Stages, Train
 from railgrip.scenario.table import Table
 
 _STEP = 1e-2  # s
@@ -78,34 +78,14 @@ def by_hand(train: Train, speed: float, *, dynamic: bool = True) -> HandCalculat
     )
 
 
-class _Data:
-    """The data of a train, equal for equal trains."""
-
-    def __init__(self, train: Train) -> None:
-        self.train, self._text = train, train.model_dump_json()
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Data) and other._text == self._text
-
-    def __hash__(self) -> int:
-        return hash(self._text)
-
-
-def _stop(train: Train, speed: float, *, developed: bool, dynamic: bool = True) -> HandCalculation:
-    """Return a stop whose brakes build up, or are `developed` from the start; its arrays are read-only."""
-    return _stop_of(_Data(train), speed, developed, dynamic)
-
-
 # A command checks a train several times, and a study needs the same stops; they take longer than reading the file.
 @lru_cache(maxsize=32)
-def _stop_of(data: _Data, speed: float, developed: bool, dynamic: bool) -> HandCalculation:
-    train = data.train
-    brakes, wheel = _brakes_of(train)
-    mass, inertia = np.array([[axle.mass, axle.inertia] for axle in train.axles]).T
+def _stop(train: Train, speed: float, *, developed: bool, dynamic: bool) -> HandCalculation:
+    """Return a stop whose brakes build up, or are `developed` from the start; its arrays are read-only."""
+    brakes, wheel = brakes_of(train)
+    mass, turning, shares = rotating_masses(train)
     rolling = mass * GRAVITY * _rolling(train, wheel)
-    turning = inertia / wheel**2
     inert = float(mass.sum() + turning.sum())
-    shares = _shares_of_load(train, mass)
     of_car = np.array([axle.car for axle in train.axles])
     cars = (of_car == np.arange(len(train.cars))[:, None]).astype(float)  # a row per car, 1 for each of its axles
     on_rail = [(b.cars[0], brake) for b, _, brake in train.rail_brakes if dynamic or not brake.is_dynamic]
@@ -123,7 +103,7 @@ def _stop_of(data: _Data, speed: float, developed: bool, dynamic: bool) -> HandC
     car_mass = cars @ (mass + turning)
     while v > 0:
         now = t + _STEP / 2 + head_start  # forces in the middle of a step
-        friction, electric = rims.at(v, build_up.share(now, v), inf if developed else _STEP)
+        friction, electric, _ = rims.at(v, build_up.share(now, v), inf if developed else _STEP)
         braking = friction + electric + rolling
         since = np.where([v > kind.speed_max for kind in kinds], t + _STEP, since)
         each = [kind.force_after(now - begin, v) for kind, begin in zip(kinds, since.tolist(), strict=True)]
@@ -181,7 +161,7 @@ def scattered_distances(train: Train, speed: float, deviations: Mapping[str, Mat
             f"{train.name}: stops with drawn brakes know friction brakes and brakes on the rail, but its axles have "
             "[dynamic_brakes]; leave out --draws, or dynamic_brake of [bogies] for a stop with friction brakes alone"
         )
-    brakes, wheel = _brakes_of(train)
+    brakes, wheel = brakes_of(train)
     for name in ("pad_friction", "efficiency"):
         brakes[name] = brakes[name] * deviations[name]
     brakes["pressure_max"] = brakes["pressure_max"] + deviations["pressure"]
@@ -238,7 +218,7 @@ def _drag(train: Train, speed: Any) -> Any:
 
 def full_brake_force(train: Train) -> Vector:
     """Return the force at the rim with full pressure and nominal pad friction, of each axle, shape (axles,) [N]."""
-    brakes, _ = _brakes_of(train)
+    brakes, _ = brakes_of(train)
     return brakes["lever"] * brakes["pad_friction"] * _pad_force(brakes, brakes["pressure_max"])
 
 
@@ -258,7 +238,7 @@ def rotating_masses(train: Train) -> tuple[Vector, Vector, Matrix]:
 
     Shapes (axles,), (axles,), (axles, axles) [1/N]; coupled axles share their forces.
     """
-    _, wheel = _brakes_of(train)
+    _, wheel = brakes_of(train)
     mass, inertia = np.array([[axle.mass, axle.inertia] for axle in train.axles]).T
     return mass, inertia / wheel**2, _shares_of_load(train, mass)
 
@@ -287,17 +267,16 @@ def developed_forces(train: Train, start: float, *, dynamic: bool = True) -> Cal
 
     Without `dynamic` friction brakes replace electrodynamic and eddy-current brakes where they are relieved by them.
     """
-    brakes, wheel = _brakes_of(train)
-    stages = [train.stages_of_car[axle.car] for axle in train.axles]
+    brakes, wheel = brakes_of(train)
+    stages = _stages_of(train)
     mass = np.array([axle.mass for axle in train.axles])
     rolling = float((mass * GRAVITY * _rolling(train, wheel)).sum())
     rims = _RimForces(train, brakes, dynamic=dynamic)
     on_rail = [brake for *_, brake in train.rail_brakes]
 
     def at(speed: float) -> DevelopedForces:
-        shares = [1.0 if d is None or (start >= d.speed_up and speed >= d.speed_down) else d.low_share for d in stages]
-        friction, electric = rims.at(speed, np.array(shares), inf)
-        left, _ = rims.blend(speed, np.array(shares), inf)
+        shares = stage_shares(stages, start, speed)
+        friction, electric, left = rims.at(speed, shares, inf)
         rail = [b.force_after(inf, speed) if dynamic or not b.is_dynamic else 0.0 for b in on_rail]
         resistance = rolling + _drag(train, speed)
         return DevelopedForces(
@@ -313,17 +292,23 @@ def response_times(train: Train) -> tuple[Vector, Vector]:
     It is the time integral of what the pressure lacks of the full one: delay and time constant, or delay of the wave in
     the pipe and half of the time of the linear rise, of which an inshot leaves (1 - inshot)² at the same rate.
     """
-    axles = train.axles
-    match train.command:
-        case None:
-            times = np.zeros(len(axles))
-        case Electropneumatic():
-            times = np.array([sum(wire_of(train, axle.bogie)) for axle in axles])
-        case BrakePipe() as pipe:
-            arrival = np.array([axle.position for axle in axles]) / _front_speed(train, pipe)
-            filling, inshot = np.array([train.filling_of_car[axle.car] for axle in axles]).T
-            times = arrival + filling / (_FILLED - inshot) * (1 - inshot) ** 2 / 2
-    return times, np.array([brake.dead_time + brake.time_constant for *_, brake in train.rail_brakes])
+    delay, time, inshot = _build_up_of(train)
+    if isinstance(train.command, BrakePipe):
+        time = time / (_FILLED - inshot) * (1 - inshot) ** 2 / 2
+    return delay + time, np.array([brake.dead_time + brake.time_constant for *_, brake in train.rail_brakes])
+
+
+def stage_shares(stages: Sequence[Stages | None], start: float, speed: float) -> Vector:
+    """Return the pressure behind distributors over the highest, shape (distributors,).
+
+    Args:
+        stages: Stages of each distributor; None for a single one.
+        start: Speed at the brake demand [m/s].
+        speed: Present speed [m/s].
+    """
+    return np.array(
+        [1.0 if d is None or (start >= d.speed_up and speed >= d.speed_down) else d.low_share for d in stages]
+    )
 
 
 def _require_end(train: Train, speed: float, time: float) -> None:
@@ -342,14 +327,19 @@ def _shares_of_load(train: Train, mass: Vector) -> Matrix:
     return shares
 
 
-def _brakes_of(train: Train) -> tuple[dict[str, Vector], Vector]:
+def brakes_of(train: Train) -> tuple[dict[str, Vector], Vector]:
+    """Return the data of the brake units at each axle by their names, and the wheel radii [m], shape (axles,) each.
+
+    `sliding` is the speed of the pads over that of the train, and `lever` the force at the rim over that of the
+    friction of one unit.
+    """
     parts = [train.bogies_in_train[axle.bogie] for axle in train.axles]
     wheel = _each([part.data for part in parts], "wheel_radius")
     brakes = {name: _each([part.brake for part in parts], name) for name in ("friction_radius", *_BRAKE)}
-    brakes |= {name: _each([part.pads for part in parts], name) for name in PAD_EFFECTS}
+    brakes |= {name: _each([part.pads for part in parts], name) for name in _PAD_EFFECTS}
+    brakes |= {name: np.array([getattr(part.law, name) for part in parts]) for name in SHAPE}
     if any(part.law is not CONSTANT for part in parts):
-        brakes |= {name: np.array([getattr(part.law, name) for part in parts]) for name in SHAPE}
-        brakes["nominal_shape"] = _shape(brakes, brakes["speed_nominal"], brakes["force_nominal"])
+        brakes["nominal_shape"] = law_of(brakes).shape(brakes["speed_nominal"], brakes["force_nominal"])
     units = np.array([axle.units for axle in train.axles])
     radius = brakes["friction_radius"]
     return brakes | {"sliding": radius / wheel, "lever": units * radius / wheel}, wheel
@@ -423,18 +413,15 @@ class _RimForces:
         self._parts = np.array([np.where(of_group == each.group, units, 0.0) / each.units for each in self._groups]).T
         self._lagged = np.zeros(len(self._groups))
 
-    def at(self, speed: float, share: Vector, step: float) -> tuple[Vector, Vector]:
-        """Return friction and dynamic force of each axle [N] after a step [s] with shares of the highest pressure."""
-        pads = _pad_force(self._brakes, share * self._brakes["pressure_max"])
-        left, dynamic = self.blend(speed, share, step)
-        return _friction_force(self._brakes, speed, left * pads), dynamic
+    def at(self, speed: float, share: Vector, step: float) -> tuple[Vector, Vector, Vector]:
+        """Return friction and dynamic force of each axle [N], and the share of its pad force that is left to friction.
 
-    def blend(self, speed: float, share: Vector, step: float) -> tuple[Vector, Vector]:
-        """Return the share of the pad force that is left to friction, and the dynamic force [N], of each axle."""
+        Those after a step [s] at a speed [m/s], with shares of the highest pressure.
+        """
         brakes = self._brakes
-        if not self._groups:
-            return np.ones(len(self._valve_of_axle)), np.zeros(len(self._valve_of_axle))
         pads = _pad_force(brakes, share * brakes["pressure_max"])
+        if not self._groups:
+            return _friction_force(brakes, speed, pads), np.zeros(pads.size), np.ones(pads.size)
         of_axle = brakes["lever"] * brakes["pad_friction"] * pads
         demand = np.bincount(self._valve_of_axle, of_axle, self._valves)
         available = np.array([float(each.force_at(speed)) for each in self._alike])[self._kind]
@@ -447,8 +434,8 @@ class _RimForces:
         provided = np.bincount(self._valve, np.where(self._adds, 0.0, force), self._valves)
         lacking = np.maximum(demand - provided, 0.0)
         surplus = max(float(demand.sum() - provided.sum()), 0.0) / max(float(lacking.sum()), 1e-3)
-        left = (surplus if self._across else 1.0) * lacking / np.maximum(demand, 1e-9)
-        return left[self._valve_of_axle], self._parts @ force
+        left = ((surplus if self._across else 1.0) * lacking / np.maximum(demand, 1e-9))[self._valve_of_axle]
+        return _friction_force(brakes, speed, left * pads), self._parts @ force, left
 
 
 def _friction_force(brakes: dict[str, Vector], speed: float | Matrix, pad_force: Vector) -> Vector:
@@ -457,13 +444,13 @@ def _friction_force(brakes: dict[str, Vector], speed: float | Matrix, pad_force:
     friction = friction * (1 - brakes["force_effect"] * (pad_force / brakes["force_nominal"] - 1))
     lever = brakes["lever"] * friction
     if "nominal_shape" in brakes:
-        lever = lever * (_shape(brakes, speed * brakes["sliding"], pad_force) / brakes["nominal_shape"])
+        lever = lever * (law_of(brakes).shape(speed * brakes["sliding"], pad_force) / brakes["nominal_shape"])
     return lever * pad_force
 
 
-def _shape(brakes: dict[str, Vector], speed: Matrix, pad_force: Vector) -> Vector:
-    """Return the friction of blocks over that at infinite force and speed; 1 for pads."""
-    return BlockLaw(factor=1, **{name: cast(Any, brakes[name]) for name in SHAPE}).shape(speed, pad_force)
+def law_of(brakes: dict[str, Vector]) -> BlockLaw:
+    """Return the law of blocks with arrays of the data of some units; it is constant for pads."""
+    return BlockLaw(factor=1, **{name: cast(Any, brakes[name]) for name in SHAPE})
 
 
 def wire_of(train: Train, bogie: int) -> tuple[float, float]:
@@ -474,20 +461,26 @@ def wire_of(train: Train, bogie: int) -> tuple[float, float]:
     return (command.delay, command.time_constant) if isinstance(command, Electropneumatic) else (0.0, 0.0)
 
 
+def _build_up_of(train: Train) -> tuple[Vector, Vector, Vector]:
+    """Return delay [s], time constant or filling time [s], and inshot of the pressure at each axle."""
+    match train.command:
+        case None:
+            rows = [(0.0, 0.0, 0.0)] * len(train.axles)
+        case Electropneumatic():
+            rows = [(*wire_of(train, axle.bogie), 0.0) for axle in train.axles]
+        case BrakePipe() as pipe:
+            speed, filling = _front_speed(train, pipe), train.filling_of_car
+            rows = [(axle.position / speed, *filling[axle.car]) for axle in train.axles]
+    delay, time, inshot = np.array(rows).T
+    return delay, time, inshot
+
+
 class _PressureBuildUp:
     """Build-up of the brake pressure at each axle."""
 
     def __init__(self, train: Train, speed: float) -> None:
         self._command, self._stages = train.command, _StageRelays(train, speed)
-        positions = np.array([axle.position for axle in train.axles])
-        match self._command:
-            case None:
-                self._delay = np.zeros(positions.size)
-            case Electropneumatic():
-                self._delay, self._time = np.array([wire_of(train, axle.bogie) for axle in train.axles]).T
-            case BrakePipe() as pipe:
-                self._delay = positions / _front_speed(train, pipe)
-                self._time, self._inshot = np.array([train.filling_of_car[axle.car] for axle in train.axles]).T
+        self._delay, self._time, self._inshot = _build_up_of(train)
 
     def share(self, time: float | Matrix, speed: float | Matrix) -> Vector:
         """Return the pressure at each axle in the next step as a share of the highest, shape (axles,).
@@ -505,12 +498,18 @@ class _PressureBuildUp:
                 return self._stages.share(speed) * np.where(after > 0, filled, 0.0)
 
 
+def _stages_of(train: Train) -> list[Stages | None]:
+    """Return the stages of the distributor of each axle; None for a single one."""
+    of_car = train.stages_of_car
+    return [of_car[axle.car] for axle in train.axles]
+
+
 class _StageRelays:
     """The relays of two-stage distributors through a stop, as RailBraking.Pneumatics.TwoStageDistributor."""
 
     def __init__(self, train: Train, speed: float) -> None:
         # A demand at a speed between the two thresholds starts in the low stage.
-        parts = [train.stages_of_car[axle.car] for axle in train.axles]
+        parts = _stages_of(train)
         values = [(1.0, 0.0, 1.0) if d is None else (d.low_share, d.speed_down, d.stage_time) for d in parts]
         self._low, self._down, time = np.array(values).T
         self._share = np.where([d is None or speed >= d.speed_up for d in parts], 1.0, self._low)
@@ -524,7 +523,7 @@ class _StageRelays:
 
 
 _BRAKE = ("piston_area", "rigging", "efficiency", "spring_force", "pressure_max", "pad_friction")
-PAD_EFFECTS = ("speed_effect", "speed_nominal", "force_effect", "force_nominal")
+_PAD_EFFECTS = ("speed_effect", "speed_nominal", "force_effect", "force_nominal")
 """Data of pads on which the force of a stop depends; the temperature is nominal."""
 
 

@@ -4,20 +4,22 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, cast, get_args
+from typing import get_args
 
 import numpy as np
 
 from railgrip.base.groups import gather
 from railgrip.estimators.belief import Array
-from railgrip.rolling_stock.brakes import SHAPE, BlockLaw
 from railgrip.rolling_stock.dispersion import EXTENTS, Dispersion, Quantity
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import (
-    PAD_EFFECTS,
+    brakes_of,
     by_hand,
     developed_deceleration,
     developed_forces,
+    law_of,
+    rotating_masses,
+    stage_shares,
 )
 from railgrip.vehicle.brake import piston_force
 
@@ -161,18 +163,13 @@ class TrainBrake(DispersedBrake):
         acting = [one for one in dispersion if one.quantity != "dynamic_brake" or train.dynamic_groups]
         super().__init__([tuple(map(len, valves)) for valves in kinds.values()], acting, speeds)
         axles = np.array([axle for valves in kinds.values() for units in valves for axle in units])
-        parts = [train.bogies_in_train[train.axles[axle].bogie] for axle in axles]
-        self._unit = {name: np.array([getattr(part.brake, name) for part in parts]) for name in _UNIT}
-        self._unit |= {name: np.array([getattr(part.pads, name) for part in parts]) for name in PAD_EFFECTS}
-        laws = {name: cast(Any, np.array([getattr(part.law, name) for part in parts])) for name in SHAPE}
-        self._law = BlockLaw(factor=1, **laws)
-        wheel = np.array([part.data.wheel_radius for part in parts])
-        self._unit["lever"] = self._unit["friction_radius"] / wheel
+        brakes, _ = brakes_of(train)
+        self._unit = {name: values[axles] for name, values in brakes.items()}
+        self._law = law_of(self._unit)
         self._turning = np.zeros(self._extents["group"])
         self._rest = 0.0
         group_of_axle = dict(zip(axles.tolist(), self._group.tolist(), strict=True))
-        for number, axle in enumerate(train.axles):
-            turning = axle.inertia / train.bogies_in_train[axle.bogie].data.wheel_radius ** 2
+        for number, turning in enumerate(rotating_masses(train)[1].tolist()):
             if number in group_of_axle:
                 self._turning[group_of_axle[number]] += turning
             else:
@@ -202,12 +199,8 @@ class TrainBrake(DispersedBrake):
         speeds, decelerations = developed_deceleration(train, begin, dynamic=self._dynamic)
         inert = float(self._mass + self._turning.sum() + self._rest)
         indices: list[int] = axles.tolist()
-        cars = np.array([train.axles[axle].car for axle in indices])
-        stages = [
-            1.0 if part is None or (begin >= part.speed_up and low >= part.speed_down) else part.low_share
-            for part in train.stages_of_car
-        ]
-        share = np.array(stages)[cars]
+        cars = [train.axles[axle].car for axle in indices]
+        share = stage_shares(train.stages_of_car, begin, low)[cars]
         forces_at = developed_forces(train, begin, dynamic=self._dynamic)
         parts: list[_ForcesAtSpeed] = []
         for number in range(PARTS):
@@ -230,7 +223,7 @@ class TrainBrake(DispersedBrake):
         over speed.
         """
         unit = self._unit
-        lever = unit["lever"] * deviations["friction_radius"] / deviations["wheel_radius"][:, self._group]
+        lever = unit["sliding"] * deviations["friction_radius"] / deviations["wheel_radius"][:, self._group]
         force = left * (
             unit["efficiency"]
             * unit["rigging"]
@@ -252,7 +245,7 @@ class TrainBrake(DispersedBrake):
         """Return the friction of the blocks of each unit over that at their nominal speed, 1 for pads, (units,)."""
         unit, law = self._unit, self._law
         at_nominal = law.shape(unit["speed_nominal"], unit["force_nominal"])
-        return law.shape(speed * unit["lever"], unit["force_nominal"]) / at_nominal
+        return law.shape(speed * unit["sliding"], unit["force_nominal"]) / at_nominal
 
     def _stops(self, available: Sequence[int], deviations: Deviations) -> tuple[Array, Array, Array]:
         brakes = self._brakes(available)
@@ -299,9 +292,6 @@ class _ForcesAtSpeed:
     magnets: float
     dynamic: float
     others: float
-
-
-_UNIT = ("friction_radius", "piston_area", "rigging", "efficiency", "spring_force", "pressure_max", "pad_friction")
 
 
 def _units_of_valves(train: Train) -> list[list[int]]:
