@@ -4,7 +4,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol
 
 import numpy as np
 from scipy.special import ndtri
@@ -14,6 +13,7 @@ from railgrip.base.errors import InputError
 from railgrip.estimators.belief import Array
 from railgrip.rolling_stock.dispersion import Failures
 from railgrip.supervision import rare
+from railgrip.supervision.dispersed import DispersedBrake
 from railgrip.supervision.rare import Rates, Sample, State
 from railgrip.trace.k_wet import Interval
 
@@ -26,29 +26,6 @@ _RATES = 1000
 
 _NEGLECT = 1e-3
 """Maximum probability of neglected failure states, as a share of the smallest probability required."""
-
-
-class DispersingBrake(Protocol):
-    """A train whose decelerations disperse, as `railgrip.supervision.dispersed.DispersedBrake`."""
-
-    @property
-    def units(self) -> Sequence[int | Sequence[int]]:
-        """Brake units of each group."""
-        ...
-
-    @property
-    def dimension(self) -> int:
-        """Standard normal numbers of a draw."""
-        ...
-
-    @property
-    def outputs(self) -> Sequence[str]:
-        """Names of the quantities with a K."""
-        ...
-
-    def ratios(self, available: Sequence[int], standard: Array) -> Array:
-        """Return deceleration over nominal, shape (n, outputs), of draws, shape (n, dimension)."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,27 +54,24 @@ class QuasiStatic:
 
 
 def k_factors(
-    brake: DispersingBrake,
+    brake: DispersedBrake,
     failures: Failures,
     *,
     seed: int,
     runs: int,
     samples: int,
     guides: Sequence[int] | None = None,
-    without: DispersingBrake | None = None,
     notify: Callable[[str], None] = lambda what: None,
 ) -> QuasiStatic:
     """Return K of a quasi-static brake for all EBCL; the same arguments give the same numbers.
 
     Args:
-        brake: Train with dispersed components.
+        brake: Train with dispersed components. Its dynamic brakes fail as `failures.dynamic_brake`.
         failures: Failures of its components.
         seed: Seed of the draws.
         runs: Independent runs, for the intervals.
         samples: Draws of each failure state in each run.
         guides: Outputs whose worst points are sampled, all of them unless given; other outputs scatter more.
-        without: The same train without its dynamic brakes, which fail as `failures.dynamic_brake`; its ratios are to
-            the same nominal values.
         notify: Receives the progress.
 
     Raises:
@@ -109,10 +83,11 @@ def k_factors(
     # As deep and as many as the highest rates require, because the intervals include these rates.
     highest = rates_of(failures, float(ndtri((1 + _CONFIDENCE) / 2)))
     deep, neglected = rare.states_of(brake.units, highest, neglect=_NEGLECT * smallest)
-    available = [state.available for state in deep]
+    available, without = [state.available for state in deep], brake.without
     probabilities = rates.of_states(brake.units, available)
-    cases, lost = [(brake, "", 1.0)], _loss(failures, without)
+    cases = [(brake, "", 1.0)]
     if without is not None:
+        lost = _loss(failures)
         cases = [(brake, "", 1 - lost), (without, " without dynamic brakes", lost)]
     states = tuple(
         State(*state) for *_, share in cases for state in zip(available, (share * probabilities).tolist(), strict=True)
@@ -153,9 +128,7 @@ def k_factors(
     )
 
 
-def _loss(failures: Failures, without: DispersingBrake | None) -> float:
-    if without is None:
-        return 0.0
+def _loss(failures: Failures) -> float:
     if failures.dynamic_brake is None:
         raise InputError(
             "[failures] has no dynamic_brake; K factors of a train with electrodynamic or eddy-current brakes need the "

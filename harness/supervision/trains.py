@@ -94,9 +94,8 @@ def model_of_train(
     """
     data, brake, fastest = data_of(train), brake_of(train), maximum_speed(train)
     factors = k_factors(
-        brake, data.failures, seed=_SEED, runs=_RUNS, samples=_SAMPLES, guides=[len(brake.nominal) - 1],
-        without=brake.without, notify=notify,
-    )  # fmt: skip
+        brake, data.failures, seed=_SEED, runs=_RUNS, samples=_SAMPLES, guides=[len(brake.nominal) - 1], notify=notify
+    )
     starts = brake.speeds[:0:-1]
     level = national.M_NVEBCL
     k_dry = [(start, of[level].value) for start, of in zip(starts, factors.k, strict=False)]

@@ -164,13 +164,13 @@ def test_dynamic_brakes_that_fail_are_a_mixture_of_two_brakes():
     lost = Failures.model_validate(
         of_brake.model_dump() | {"dynamic_brake": {"probability": q, "error_factor": 1, "source": "a test"}}
     )
-    result = k_factors(brake, lost, seed=1, runs=4, samples=2000, without=brake.without)
+    result = k_factors(brake, lost, seed=1, runs=4, samples=2000)
     assert sum(state.probability for state in result.states) == pytest.approx(1.0)
     for level in (2, 3, 6, 9):
         expected = 1 + 0.05 * norm.ppf(PROBABILITIES[level] / q)
         assert result.k[1][level].value == pytest.approx(expected, abs=2e-3)
     with pytest.raises(InputError, match=r"\[failures\] has no dynamic_brake"):
-        k_factors(brake, of_brake, seed=1, runs=2, samples=20, without=brake.without)
+        k_factors(brake, of_brake, seed=1, runs=2, samples=20)
 
 
 def test_motors_that_add_their_force_and_are_off_lack_it():

@@ -15,6 +15,7 @@ class LinearBrake:
     units = (3, 2, 2, 3)
     dimension = 8
     outputs = ("first", "all")
+    without = None
     SIGMA = 0.05
 
     def ratios(self, available, standard):

@@ -33,7 +33,7 @@ from railgrip.simulate.run import braking_distance
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.supervision import rare
 from railgrip.supervision.dispersed import PARTS, Deviations, DispersedBrake, TrainBrake, speed_steps
-from railgrip.supervision.k_dry import DispersingBrake, QuasiStatic, k_factors, rates_of
+from railgrip.supervision.k_dry import QuasiStatic, k_factors, rates_of
 from railgrip.supervision.rare import Sample, State
 from railgrip.supervision.trains import data_of, maximum_speed
 from railgrip.trace.k_wet import Interval
@@ -294,15 +294,12 @@ def brake_of(specification: KFactorSpecification, subject: Scenario | Train) -> 
 
 
 def quasi_static(
-    specification: KFactorSpecification, brake: DispersingBrake, notify: Callable[[str], None] = lambda what: None
+    specification: KFactorSpecification, brake: DispersedBrake, notify: Callable[[str], None] = lambda what: None
 ) -> QuasiStatic:
     """Return K of the quasi-static brake for all EBCL; the same specification gives the same numbers."""
     effort = specification.estimate
     seed, runs, samples = specification.seed, effort.runs, effort.samples
-    without = brake.without if isinstance(brake, DispersedBrake) else None
-    return k_factors(
-        brake, specification.failures, seed=seed, runs=runs, samples=samples, without=without, notify=notify
-    )
+    return k_factors(brake, specification.failures, seed=seed, runs=runs, samples=samples, notify=notify)
 
 
 def scenario_of_draw(
