@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 
 from railgrip.base.errors import InputError
+from railgrip.base.groups import gather
 from railgrip.rolling_stock.calculation import PARKING_ADHESION, PARKING_SLOPE, parking
 from railgrip.rolling_stock.schema import BogieInTrain, BrakePipe, Train, load_train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand
@@ -102,24 +102,21 @@ def friction_findings(train: Train, speed: float) -> list[TrainRemark]:
         friction, at_speed, at_force = lowest_friction(
             nominal, effects=pads.model_dump(), speed=speed * sliding, force=brake.full_force, shape=law.shape
         )
-        if friction > LOWEST_PAD_FRICTION or (brake.pads or brake.blocks) in remarks:
+        if friction > LOWEST_PAD_FRICTION:
             continue
         if brake.blocks is not None:
-            remarks[brake.blocks] = TrainRemark(
-                f"[blocks.{brake.blocks}] law",
-                f"friction falls to {friction:.3f} at {3.6 * at_speed / sliding:g} km/h and "
-                f"{at_force / 1e3 / (brake.block_count or 1):.3g} kN on a block in a stop from {3.6 * speed:g} km/h; "
-                f"the law is used only where friction is above {LOWEST_PAD_FRICTION:g}. Reduce the force of "
-                "[brakes] or the speed, or give more blocks",
-            )
-            continue
-        remarks[str(brake.pads)] = TrainRemark(
-            f"[pads.{brake.pads}] speed_effect, force_effect",
-            f"friction falls to {friction:.3f} at {3.6 * at_speed / sliding:g} km/h and {at_force / 1e3:.3g} kN of pad "
-            f"force in a stop from {3.6 * speed:g} km/h; the linear law holds only where friction is above "
-            f"{LOWEST_PAD_FRICTION:g}. "
-            "Reduce the effects, or give the mean friction of the stop and no effects",
-        )
+            key = f"[blocks.{brake.blocks}] law"
+            force = f"{at_force / 1e3 / (brake.block_count or 1):.3g} kN on a block"
+            law_holds = "the law is used"
+            remedy = "Reduce the force of [brakes] or the speed, or give more blocks"
+        else:
+            key = f"[pads.{brake.pads}] speed_effect, force_effect"
+            force = f"{at_force / 1e3:.3g} kN of pad force"
+            law_holds = "the linear law holds"
+            remedy = "Reduce the effects, or give the mean friction of the stop and no effects"
+        words = f"friction falls to {friction:.3f} at {3.6 * at_speed / sliding:g} km/h and {force} in a stop from "
+        words += f"{3.6 * speed:g} km/h; {law_holds} only where friction is above {LOWEST_PAD_FRICTION:g}. {remedy}"
+        remarks.setdefault(key, TrainRemark(key, words))
     return list(remarks.values())
 
 
@@ -354,8 +351,5 @@ def _stops(train: Train) -> Iterator[TrainRemark]:
             yield TrainRemark(f"[reference[{number}]] distance", words, wrong=False)
 
 
-def _by_kind(train: Train) -> Iterator[tuple[str, list[BogieInTrain]]]:
-    for kind, ours in groupby(
-        sorted(train.bogies_in_train, key=lambda bogie: bogie.kind), key=lambda bogie: bogie.kind
-    ):
-        yield kind, list(ours)
+def _by_kind(train: Train) -> list[tuple[str, list[BogieInTrain]]]:
+    return sorted(gather((bogie.kind, bogie) for bogie in train.bogies_in_train).items())

@@ -11,7 +11,6 @@ from railgrip.vehicle.formation import axle_load
 def table_of_axles(train: Train) -> ReportTable:
     """Return one row for each axle: position, load, coupled axles, and brake."""
     force = full_brake_force(train)
-    valve_of_group = [valve for valve, count in enumerate(train.groups_per_valve) for _ in range(count)]
     rows = [
         {
             "car": train.cars[axle.car].name,
@@ -20,7 +19,7 @@ def table_of_axles(train: Train) -> ReportTable:
             "at": axle.position,
             "mass": axle.mass / 1e3,
             "group": axle.group + 1,
-            "valve": valve_of_group[axle.group] + 1,
+            "valve": train.valve_of_group[axle.group] + 1,
             "units": round(axle.units),
             "full brake": rim / 1e3,
             "of the load": rim / axle_load(axle.mass),
@@ -34,9 +33,8 @@ def table_of_axles(train: Train) -> ReportTable:
         for bogie in [train.bogies_in_train[axle.bogie]]
     ]
     forms = {"at": "{:.2f} m", "mass": "{:.2f} t", "full brake": "{:.1f} kN", "of the load": "{:.3f}"}
-    optional = ("dynamic brake", "on the rail", "parking")
-    table = ReportTable(rows, forms | {"parking": "{:.1f} kN"}, ("car", "bogie", *optional[:2]))
-    return table.without({key for key in optional if not any(row[key] for row in rows)})
+    table = ReportTable(rows, forms | {"parking": "{:.1f} kN"}, ("car", "bogie", "dynamic brake", "on the rail"))
+    return table.drop_empty_columns()
 
 
 def table_of_distributors(train: Train) -> ReportTable:
@@ -61,10 +59,7 @@ def table_of_distributors(train: Train) -> ReportTable:
     ]
     forms = {"low stage": "{:.2f}", "below": "{:.0f} km/h", "high from": "{:.0f} km/h", "opens": "{:g} bar/s"}
     forms |= {"closes": "{:g} bar", "filling": "{:g} s", "release": "{:g} s", "inshot": "{:.2f}"}
-    table = ReportTable(rows, forms, ("car", "distributor", "accelerator"))
-    return table.without(
-        {name for name in ("filling", "release", "inshot") if not any(row[name] is not None for row in rows)}
-    )
+    return ReportTable(rows, forms, ("car", "distributor", "accelerator")).drop_empty_columns()
 
 
 def sentence_of_equipment(train: Train) -> str:
