@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from railgrip.base.groups import gather
 from railgrip.report.page import render
-from railgrip.rolling_stock.schema import BogieInTrain, Train
+from railgrip.rolling_stock.schema import BogieInTrain, BrakePipe, Train
 from railgrip.rolling_stock.stopping import wire_of
 
 CELLS_OF_A_CAR = 5
@@ -158,10 +158,11 @@ def _places(axles: Sequence[int]) -> str:
     return f"{axles[0] + 1}:{axles[-1] + 1}"
 
 
-def _dynamic_brakes(train: Train, body_of_car: Sequence[int]) -> list[dict[str, object]]:
-    """Return the dynamic brakes of groups: their data, and the shafts that they are connected to."""
+def _blended(train: Train, body_of_car: Sequence[int], *, pneumatic: bool) -> dict[str, Any]:
+    """Return dynamic brakes, relieved valves, and the expressions that connect them."""
+    supply, blending = _command(train, body_of_car)["supply_of_group"], _blending(train)
     place_of_valve = {valve: place for place, valve in enumerate(train.blended_valves, start=1)}
-    return [
+    dynamics = [
         {
             "brake": each.brake,
             "law": each.brake.law(each.units),
@@ -172,12 +173,6 @@ def _dynamic_brakes(train: Train, body_of_car: Sequence[int]) -> list[dict[str, 
         }
         for each in train.dynamic_groups
     ]
-
-
-def _blended(train: Train, body_of_car: Sequence[int], *, pneumatic: bool) -> dict[str, Any]:
-    """Return dynamic brakes, relieved valves, and the expressions that connect them."""
-    dynamics, supply = _dynamic_brakes(train, body_of_car), _command(train, body_of_car)["supply_of_group"]
-    blending = _blending(train)
 
     def demanded(group: int, valve: range) -> str:
         if pneumatic and train.command is None:
@@ -240,13 +235,22 @@ def _blending(train: Train) -> list[_RelievedValve]:
 
 
 def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
-    has_pipe = train.command is not None and train.command.kind == "brake_pipe"
-    is_wire = train.command is not None and not has_pipe
-    wire_of_bogie = [wire_of(train, number) for number in range(len(train.bogies_in_train))] if is_wire else []
-    wires = list(dict.fromkeys(wire_of_bogie))
-    # Through the pipe each car has its own pressure; by wire all with the same build-up have the same.
-    available = [max(_pressures(train, number)) for number in range(len(train.cars))] if has_pipe else wires or [1.0]
-    bogie_of_group = [train.axles[members[0]].bogie for members in train.groups]
+    axles = [train.axles[members[0]] for members in train.groups]
+    cars = [axle.car + 1 for axle in axles]
+    values = {"command": train.command, "air": train.air, "car_of_group": cars}
+    if isinstance(train.command, BrakePipe):
+        # Through the pipe each car has its own pressure.
+        return values | {"has_reservoirs": True, "supply_of_group": cars} | _pipe(train, train.command, body_of_car)
+    # By wire all with the same build-up have the same pressure.
+    of_bogie = [wire_of(train, number) for number in range(len(train.bogies_in_train))] if train.command else []
+    wires = list(dict.fromkeys(of_bogie))
+    supply = [wires.index(of_bogie[axle.bogie]) + 1 if wires else 1 for axle in axles]
+    reservoirs = {"has_reservoirs": train.air is not None}
+    return values | reservoirs | {"available": wires or [1.0], "wires": wires, "supply_of_group": supply}
+
+
+def _pipe(train: Train, pipe: BrakePipe, body_of_car: Sequence[int]) -> dict[str, Any]:
+    available = [max(_pressures(train, number)) for number in range(len(train.cars))]
     stages, distributors, filling = train.stages_of_car, train.distributor_of_car, train.filling_of_car
     single, two_stage = ([i for i, of_car in enumerate(stages) if (of_car is None) == plain] for plain in (True, False))
     # A car without times of its own has those of [command], and the default release.
@@ -256,14 +260,14 @@ def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
     ]
     part_of_car = {car: f"distributor[{number}]" for number, car in enumerate(single, start=1)}
     part_of_car |= {car: f"two_stage{number}" for number, car in enumerate(two_stage, start=1)}
+    # Each car has one branch, at the cell in its middle.
+    middle = CELLS_OF_A_CAR // 2
+    branch_volumes = [0.0] * CELLS_OF_A_CAR
+    branch_volumes[middle] = pipe.branch_volume
     return {
-        "command": train.command,
-        "air": train.air,
-        "has_reservoirs": has_pipe or train.air is not None,
-        "car_of_group": [train.axles[members[0]].car + 1 for members in train.groups],
         "available": available,
         "distributor_of_car": part_of_car,
-        "single_stage": [available[car] for car in single] if has_pipe else [],
+        "single_stage": [available[car] for car in single],
         "times_of_single": (
             {
                 "T_fill": [filling[car][0] for car in single],
@@ -287,23 +291,9 @@ def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
             {"accelerator": vent, "car": car} for car, vent in enumerate(train.accelerator_of_car) if vent is not None
         ],
         "lengths": [car.length / CELLS_OF_A_CAR for car in train.cars for _ in range(CELLS_OF_A_CAR)],
-        "branch_of_car": [CELLS_OF_A_CAR * number + CELLS_OF_A_CAR // 2 + 1 for number in range(len(train.cars))],
-        "branch_volumes": _branch_volumes(train),
-        "wires": wires,
-        "supply_of_group": [
-            train.axles[members[0]].car + 1 if has_pipe else wires.index(wire_of_bogie[bogie]) + 1 if wires else 1
-            for members, bogie in zip(train.groups, bogie_of_group, strict=True)
-        ],
+        "branch_of_car": [CELLS_OF_A_CAR * number + middle + 1 for number in range(len(train.cars))],
+        "branch_volumes": branch_volumes * len(train.cars),
     }
-
-
-def _branch_volumes(train: Train) -> list[float]:
-    """Return the volume of the branch at each cell of the brake pipe [m3]: each car has one, in its middle."""
-    if train.command is None or train.command.kind != "brake_pipe":
-        return []
-    of_car = [0.0] * CELLS_OF_A_CAR
-    of_car[CELLS_OF_A_CAR // 2] = train.command.branch_volume
-    return of_car * len(train.cars)
 
 
 def _sharing(groups_per_valve: Sequence[int]) -> list[range]:
