@@ -105,7 +105,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
             for i, signal in enumerate(CURVE):
                 rows[:, at[signal.name]] = vehicle.curves[curve_numbers, i]
         rows[:, at["wheelset_load"]] = load - transfer * acceleration[:, None]
-        rows[:, at["pad_friction"]] = pads.friction(speed, bound)
+        rows[:, at["pad_friction"]] = pad_friction(speed, bound)
         if other.any():
             # The torques that full brake draws, of which the bound takes what adhesion allows.
             rows[:, at["pad_force"]] = pad_force
@@ -421,18 +421,6 @@ _OF_FILE = {
     **_OF_LAW,
 }
 """Parameter of `RailBraking.Components.GroupBrake` → entry of [pads] in a train file, where the names differ."""
-
-
-class PadTable:
-    """Pad friction by speed, as in a stop without slides; for plants whose pads are not known."""
-
-    def __init__(self, speeds: Array, friction: Array) -> None:
-        """Take rising speeds, shape (k,) [m/s], and the friction there, shape (k, groups)."""
-        self._speeds, self._friction = speeds, friction
-
-    def friction(self, speed: Array, bound: xarray.Dataset | None) -> Array:  # pyright: ignore[reportUnusedParameter]
-        """Return the friction of each group, shape (n, groups), at the speeds of a stop, shape (n,) [m/s]."""
-        return np.stack([np.interp(speed, self._speeds, each) for each in self._friction.T], axis=1)
 
 
 class PadLimits:
