@@ -53,6 +53,12 @@ MOTOR = {
 }  # fmt: skip
 """An electrodynamic brake of a train file."""
 
+ON_RAIL = {
+    "kind": "eddy_current_rail", "force": "20 kN", "speed_peak": "90 km/h", "speed_full": "60 km/h",
+    "speed_end": "50 km/h", "time_constant": "0.5 s", "estimated": True,
+}  # fmt: skip
+"""A linear eddy-current brake."""
+
 POSITION_R = {
     "low_share": 0.5, "speed_up": "70 km/h", "speed_down": "50 km/h", "stage_time": "0.3 s", "estimated": True,
 }  # fmt: skip

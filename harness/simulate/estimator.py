@@ -17,7 +17,6 @@ from railgrip.base import registry
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import ScenarioError
 from railgrip.base.names import ElementName, did_you_mean, state_name
-from railgrip.base.system import SampledSystem
 from railgrip.controllers.free_wheel import FreeWheel
 from railgrip.controllers.sampled import Expression, FormulaBuilder, Sampled, choose, either, every, within
 from railgrip.estimators.design import NOISE_SETS, FilterContext, FilterKind, Gate, NoiseSet, pad_gate
@@ -342,11 +341,6 @@ def body_force_of(train: Train, period: float) -> Sampled | None:
     """
     if not train.rail_brakes and not train.linear_resistance:
         return None
-    return Sampled(_formula(train, period), {})
-
-
-def _formula(train: Train, period: float) -> SampledSystem:
-    """Return the formula; it has states only for brakes on the rail, whose force depends on earlier commands."""
     draft = FormulaBuilder()
     ((speed,), (braking,), (emergency,), (magnets,)) = draft.vector(BODY_FORCE_INPUTS, 1)
     speed = choose(speed > 0.0, speed, 0.0)
@@ -370,7 +364,7 @@ def _formula(train: Train, period: float) -> SampledSystem:
         force += brake.force_of_lag(now, full, within=within)
     force = train.linear_resistance * speed + force * within(speed / _STANDING, 0.0, 1.0)
     draft.output("force", "N", "braking force on the body", force)
-    return draft.formula("BodyForce", "Force of brakes on the rail itself and of linear resistance")
+    return Sampled(draft.formula("BodyForce", "Force of brakes on the rail itself and of linear resistance"), {})
 
 
 def _delay(draft: FormulaBuilder, number: int, command: Expression, delay: float, period: float) -> Expression:

@@ -94,9 +94,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario.start.speed, time)
     contact, of_rail = _rail(vehicle)
-    # The parameters of plants of this library describe pads and discs.
-    is_known = vehicle.train is not None or vehicle.true.parameters.keys() >= _OF_PADS
-    pads, bound = PadLimits(vehicle, contact) if is_known else PadTable(speeds, friction), None
+    pad_friction, bound = pads_of(vehicle, contact, speeds, friction), None
     for _ in range(_ROUNDS):
         at, rows = recorder.columns, recorder.rows
         _write_motion(recorder, distance, speed, acceleration)
@@ -492,6 +490,28 @@ class PadLimits:
         beyond = inertia * deceleration / radius - vehicle.resistance_lever * group_load
         torques = [force * radius + beyond for force in (vehicle.scenario.limits.alpha_max * group_load, *forces)]
         return np.stack([peak_slip, *torques]).transpose(2, 0, 1)
+
+
+def pads_of(
+    vehicle: VehicleData, contact: Contact, speeds: Array, friction: Array
+) -> Callable[[Array, xarray.Dataset | None], Array]:
+    """Return the function `PadLimits.friction` of a plant of this library, whose parameters describe pads and discs.
+
+    Other plants have the friction of the table at each speed.
+
+    Args:
+        vehicle: Vehicle of the plant.
+        contact: Contact on the rail of the bound.
+        speeds: Rising speeds of the table, shape (k,) [m/s].
+        friction: Pad friction there in a stop without slides, shape (k, groups).
+    """
+    if vehicle.train is not None or vehicle.true.parameters.keys() >= _OF_PADS:
+        return PadLimits(vehicle, contact).friction
+
+    def of_table(speed: Array, bound: xarray.Dataset | None) -> Array:  # pyright: ignore[reportUnusedParameter]
+        return np.stack([np.interp(speed, speeds, each) for each in friction.T], axis=1)
+
+    return of_table
 
 
 def _model(vehicle: VehicleData, group: int) -> Model:

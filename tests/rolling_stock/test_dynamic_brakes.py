@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from small_train import electric_tables
-from synthetic import MOTOR
+from synthetic import MOTOR, ON_RAIL
 from typer.testing import CliRunner
 from wrong import REMOVED, change
 
@@ -24,11 +24,7 @@ from railgrip.rolling_stock.stopping import by_hand, developed_forces, response_
 from railgrip.scenario.file import NamedFile
 from railgrip.supervision.trains import maximum_speed
 
-RAIL = {
-    "kind": "eddy_current_rail", "force": "20 kN", "speed_peak": "90 km/h", "speed_full": "60 km/h",
-    "speed_end": "50 km/h", "time_constant": "0.5 s", "estimated": True,
-}  # fmt: skip
-DISC = RAIL | {"kind": "eddy_current_axle", "force": "5 kN", "blending": "added", "slide_limit": 0.1}
+DISC = ON_RAIL | {"kind": "eddy_current_axle", "force": "5 kN", "blending": "added", "slide_limit": 0.1}
 SPEED = 120 / 3.6
 
 
@@ -55,7 +51,7 @@ def test_the_force_is_constant_then_that_of_constant_power_and_fades_out():
 
 def test_an_eddy_current_brake_has_its_maximum_at_the_critical_speed():
     """Wouterse: F/F_max = 2/(v/v1 + v1/v), so that double and half of v1 have 4/5 of the maximum."""
-    brake = EddyCurrentRail.model_validate(RAIL)
+    brake = EddyCurrentRail.model_validate(ON_RAIL)
     assert brake.force_at(np.array([25.0, 50.0])) == pytest.approx([20e3, 16e3])
     at = np.linspace(60 / 3.6, 200 / 3.6, 20001)
     assert at[np.argmax(brake.force_at(at))] == pytest.approx(25.0, abs=0.01)
@@ -136,7 +132,7 @@ def test_coupled_axles_and_units_per_axle_share_the_force(electric):
 def test_a_brake_on_the_rail_adds_and_needs_no_adhesion(electric):
     plain = train_of({key: value for key, value in electric.items() if key != "dynamic_brakes"} | {
         "bogies": electric["bogies"] | {"motor": electric["bogies"]["trailer"]}}, "plain")  # fmt: skip
-    train = train_of(electric | {"dynamic_brakes": {"motor": RAIL}}, "rail")
+    train = train_of(electric | {"dynamic_brakes": {"motor": ON_RAIL}}, "rail")
     forces = developed_forces(train, SPEED)(25.0)
     assert forces.rail == pytest.approx([20e3, 20e3])
     assert train.track_brake_force == pytest.approx(40e3)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from braked import dry
 from small_train import COUPLED, dynamic_brake, with_constant_friction
-from synthetic import MOTOR
+from synthetic import MOTOR, ON_RAIL
 
 from railgrip.base.errors import ScenarioError
 from railgrip.rolling_stock.schema import load_train
@@ -15,10 +15,7 @@ from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle_data import VehicleData
 
 SPEED = 100 / 3.6
-RAIL = {
-    "kind": "eddy_current_rail", "force": "8 kN", "speed_peak": "90 km/h", "speed_full": "60 km/h",
-    "speed_end": "50 km/h", "time_constant": "0.5 s", "estimated": True,
-}  # fmt: skip
+RAIL = ON_RAIL | {"force": "8 kN"}
 
 
 def write(folder):
