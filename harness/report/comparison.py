@@ -4,7 +4,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from string import ascii_uppercase
 from typing import TYPE_CHECKING, Any
@@ -263,9 +263,7 @@ def _compare_stops(names: Sequence[str], stops: Stops) -> Comparison:
         question=_question(
             {letter: question_of(stop) | {"scenario digest": stop.digest} for letter, stop in stops.items()}
         ),
-        answer=_answer(
-            stops, {letter: stop.figures.flat() for letter, stop in stops.items()}, "Figures of each group and wheelset"
-        ),
+        answer=_answer(stops, figures, "Figures of each group and wheelset"),
         overview=_answer(stops, _means(figures), "Differences of the results"),
         along=along,
         sentences=sentences,
@@ -289,13 +287,11 @@ def _distance_sentence(letter: str, first: Stop, other: Stop) -> str:
 
 
 def _where(letter: str, lost: Loss) -> list[str]:
-    sections = sorted(lost.sections, key=lambda section: -abs(section.lost))
     sentences: list[str] = []
     if abs(lost.at_start) >= 0.005:
         sentences.append(f"{letter} saves {-lost.at_start:.2f} m because it starts more slowly than A.")
-    for section in sections[:3]:
-        if abs(section.lost) < 0.005:
-            break
+    sections = lost.sections[lost.sections["lost"].abs() >= 0.005]
+    for section in sections.sort_values("lost", key=lambda lost: -abs(lost), kind="stable").head(3).itertuples():
         other = section.deceleration_of_first
         slows = (
             "is faster than A ever was"
@@ -315,7 +311,7 @@ def _sections(letter: str, lost: Loss) -> ReportTable:
         *(f"deceleration {letter} [m/s²]", "of A at the same speeds [m/s²]"),
     )
     forms = (form for form in ("{:.0f}", "{:.1f}", "{:+.2f}", "{:.3f}") for _ in range(2))
-    rows = (astuple(replace(section, speed=KMH * section.speed)) for section in lost.sections)
+    rows = lost.sections.assign(speed=KMH * lost.sections["speed"]).itertuples(index=False)
     title = f"Distance that {letter} loses against A"
     return ReportTable.of(dict(zip(columns, forms, strict=True)), rows, left=0, title=title)
 

@@ -162,10 +162,9 @@ def track_figure(along: Mapping[str, Loss]) -> Figure:
             xytext=(4, 0), textcoords="offset points", va="center",
         )  # fmt: skip
         if len(along) == 1:
-            widths = [section.end - section.begin for section in lost.sections]
+            begin, end, lost_in = (lost.sections[name] for name in ("begin", "end", "lost"))
             losses.bar(
-                [section.begin for section in lost.sections], [section.lost for section in lost.sections], widths,
-                align="edge", color=palette.lighter(palette.SKY, 3), edgecolor="white",
+                begin, lost_in, end - begin, align="edge", color=palette.lighter(palette.SKY, 3), edgecolor="white",
                 label=f"{letter}, in the section",
             )  # fmt: skip
     style.dress(speeds, y="speed [km/h]", title="Speed")

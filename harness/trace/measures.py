@@ -7,9 +7,11 @@ needs for the same speeds.
 """
 
 from dataclasses import dataclass
-from math import inf, nan
+from math import nan
+from typing import Any
 
 import numpy as np
+import pandas
 import xarray
 from numpy.typing import NDArray
 
@@ -378,6 +380,8 @@ _WIDTHS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0,
 _MAX_SECTIONS = 12
 _REST = 0.1
 """Share of a section below which the last piece of the track is joined to the section before."""
+_NOTHING = 1e-9
+"""Distance below which the other stop has no deceleration [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -399,31 +403,6 @@ class StopCourse:
         return np.interp(-speed, -self.speed, self.place)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SectionLoss:
-    """What one stop loses against another on a piece of the track.
-
-    Attributes:
-        begin: Place [m].
-        end: Place [m].
-        time: At which the stop enters it [s].
-        speed: With which it enters [m/s].
-        lost: Distance lost in it, negative where it is gained [m].
-        so_far: Distance lost up to its end [m].
-        deceleration: Mean of the stop in it [m/s2].
-        deceleration_of_first: Mean of the other stop between the same speeds [m/s2]; NaN where it had none of them.
-    """
-
-    begin: float
-    end: float
-    time: float
-    speed: float
-    lost: float
-    so_far: float
-    deceleration: float
-    deceleration_of_first: float
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Loss:
     """The distance that a stop loses against another along its track.
@@ -432,13 +411,17 @@ class Loss:
         first: The other stop.
         course: The stop, down to the lowest speed that both reached.
         lost: So far, at each of its samples [m].
-        sections: Loss in each section of the track, preceded by the saving from a lower speed at the start.
+        sections: A frame with a row for each section of the track, preceded by the saving from a lower speed at the
+            start: places `begin` and `end` [m]; `time` [s] and `speed` [m/s] at which the stop enters it; distance
+            `lost` in it, negative where it is gained, and `so_far`, up to its end [m]; mean `deceleration` of the stop
+            in it, and `deceleration_of_first` of the other stop between the same speeds, NaN where it had none of them
+            [m/s2].
     """
 
     first: StopCourse
     course: StopCourse
     lost: Array
-    sections: tuple[SectionLoss, ...]
+    sections: Any
 
     @property
     def at_start(self) -> float:
@@ -484,30 +467,21 @@ def loss(first: StopCourse, course: StopCourse) -> Loss:
     return Loss(first=first, course=course, lost=lost, sections=_sections(course, lost))
 
 
-def _sections(course: StopCourse, lost: Array) -> tuple[SectionLoss, ...]:
+def _sections(course: StopCourse, lost: Array) -> Any:
     end = float(course.place[-1])
-    if end <= 0.0:
-        return ()
     width = next((width for width in _WIDTHS if end / width <= _MAX_SECTIONS), end / _MAX_SECTIONS)
-    edges = [*np.arange(0.0, end - _REST * width, width).tolist(), end]
+    edges = np.append(np.arange(0.0, end - _REST * width, width), end) if end > 0.0 else np.zeros(1)
     time, speed, so_far = (np.interp(edges, course.place, values) for values in (course.time, course.speed, lost))
-    needed = np.diff(edges) - np.diff(so_far)
-    squares = -np.diff(speed**2) / 2
-    return tuple(
-        SectionLoss(
-            begin=edges[i],
-            end=edges[i + 1],
-            time=float(time[i]),
-            speed=float(speed[i]),
-            lost=float(so_far[i + 1] - so_far[i]),
-            so_far=float(so_far[i + 1]),
-            deceleration=float(squares[i]) / (edges[i + 1] - edges[i]),
-            deceleration_of_first=_quotient(float(squares[i]), float(needed[i])),
-        )
-        for i in range(len(edges) - 1)
+    squares, needed = -np.diff(speed**2) / 2, np.diff(edges) - np.diff(so_far)
+    return pandas.DataFrame(
+        {
+            "begin": edges[:-1],
+            "end": edges[1:],
+            "time": time[:-1],
+            "speed": speed[:-1],
+            "lost": np.diff(so_far),
+            "so_far": so_far[1:],
+            "deceleration": squares / np.diff(edges),
+            "deceleration_of_first": np.divide(squares, needed, out=np.full(len(needed), nan), where=needed > _NOTHING),
+        }
     )
-
-
-def _quotient(square: float, distance: float) -> float:
-    mean = square / distance if distance > 0.0 else inf
-    return mean if mean < inf else nan

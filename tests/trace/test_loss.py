@@ -30,7 +30,7 @@ def course(*decelerations, start=START, is_standstill=True) -> StopCourse:
 
 
 def parts(lost: Loss) -> list[tuple[float, float]]:
-    return [(section.begin, section.lost) for section in lost.sections]
+    return list(zip(lost.sections["begin"], lost.sections["lost"], strict=True))
 
 
 def test_two_uniform_stops_diverge_according_to_their_decelerations():
@@ -39,7 +39,7 @@ def test_two_uniform_stops_diverge_according_to_their_decelerations():
     result = loss(course((0.0, a)), course((0.0, b)))
     assert result.total == pytest.approx(START**2 / 2 * (1 / b - 1 / a), rel=1e-9)
     np.testing.assert_allclose(result.lost, result.course.place * (1 - b / a), atol=BETWEEN)
-    first = result.sections[0]
+    first = result.sections.iloc[0]
     assert (first.deceleration, first.deceleration_of_first) == pytest.approx((b, a), rel=1e-4)
 
 
@@ -59,9 +59,9 @@ def test_sections_add_up_to_the_difference_of_the_distances(end):
     result = loss(
         course((0.4 * start, 0.9), (0.0, 1.3), start=start), course((0.7 * start, 1.2), (0.0, 1.0), start=start)
     )
-    assert sum(section.lost for section in result.sections) == pytest.approx(result.total)
-    assert result.sections[-1].end == pytest.approx(result.course.place[-1])
-    assert [s.end for s in result.sections[:-1]] == [s.begin for s in result.sections[1:]]
+    assert result.sections["lost"].sum() == pytest.approx(result.total)
+    assert result.sections["end"].iloc[-1] == pytest.approx(result.course.place[-1])
+    assert list(result.sections["end"][:-1]) == list(result.sections["begin"][1:])
     assert 1 <= len(result.sections) <= 13
 
 
