@@ -10,8 +10,8 @@ import pytest
 from command_line import ran
 from project_files import modules
 
-from railgrip.base import cache
-from railgrip.fmus.native import separate_process, toolchain
+from railgrip.base import cache, programs
+from railgrip.fmus.native import toolchain
 from railgrip.scenario.load import load, scenario_of
 
 ROOT = Path(__file__).parents[1]
@@ -127,7 +127,7 @@ def test_a_system_without_an_address_space_limit_still_translates(monkeypatch):
             raise ValueError("current limit exceeds maximum limit")  # macOS
 
     monkeypatch.setattr(resource, "setrlimit", refuse)
-    separate_process._limit(300, 4096)
+    programs.limit_resources({"RLIMIT_CPU": 300, "RLIMIT_AS": 4096 << 20, "RLIMIT_CORE": 0})
     assert limits == [resource.RLIMIT_CPU, resource.RLIMIT_AS, resource.RLIMIT_CORE]
 
 

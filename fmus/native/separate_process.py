@@ -12,13 +12,13 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from railgrip.base.errors import InputError, TranslationError
+from railgrip.base.programs import limit_resources
 from railgrip.base.tables import JsonObject
 
 _TASKS: Final = {"translate": "railgrip.fmus.build", "lower": "railgrip.fmus.native.equations"}
@@ -127,7 +127,9 @@ def main() -> None:
     request = json.load(sys.stdin)
     answers = os.dup(1)
     os.dup2(2, 1)
-    _limit(*request["limits"])
+    seconds, memory_mib = request["limits"]
+    # Of time in addition to the caller's timeout, so that this process ends even if its caller has ended.
+    limit_resources({"RLIMIT_CPU": seconds, "RLIMIT_AS": memory_mib << 20, "RLIMIT_CORE": 0})
     answer = _answer(request["task"], request["class_name"], Path(request["library"]), request["arguments"])
     with os.fdopen(answers, "w", encoding="utf-8") as stream:
         json.dump(answer, stream)
@@ -159,20 +161,3 @@ def _answer(task: str, class_name: str, library: Path, arguments: JsonObject) ->
 def _exit_with(message: str) -> NoReturn:
     os.write(2, message.encode())
     os._exit(1)
-
-
-def _limit(seconds: int, memory_mib: int) -> None:
-    if os.name != "posix":
-        return
-    import resource
-
-    # In addition to the caller's timeout, so that this process ends even if its caller has ended.
-    for what, limit in (
-        (resource.RLIMIT_CPU, seconds),
-        (resource.RLIMIT_AS, memory_mib << 20),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        _, maximum = resource.getrlimit(what)
-        value = limit if maximum == resource.RLIM_INFINITY else min(limit, maximum)
-        with suppress(ValueError, OSError):  # macOS cannot limit the address space
-            resource.setrlimit(what, (value, value))

@@ -1,9 +1,11 @@
-"""Other software: programs, found in the absolute folders of PATH only, and versions that a result depends on."""
+"""Other programs, found in the absolute folders of PATH only, versions that a result depends on, and limits."""
 
 import os
 import platform
 import re
 import shutil
+from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import requires, version
 from pathlib import Path
@@ -64,3 +66,17 @@ def versions() -> dict[str, str]:
     packages = {name: version(name) for name in ("railgrip", *requirements()) if name not in _PRESENTATION}
     machine = " ".join(filter(None, (platform.system(), platform.machine(), *platform.libc_ver())))
     return {"python": platform.python_version(), "machine": machine} | packages
+
+
+def limit_resources(limits: Mapping[str, int]) -> None:
+    """Limit this process by the names of limits in the module `resource`; limits that the system lacks are omitted."""
+    if os.name != "posix":
+        return
+    import resource
+
+    for name, limit in limits.items():
+        with suppress(AttributeError, ValueError, OSError):  # macOS cannot limit the address space
+            what = getattr(resource, name)
+            _, maximum = resource.getrlimit(what)
+            value = limit if maximum == resource.RLIM_INFINITY else min(limit, maximum)
+            resource.setrlimit(what, (value, value))

@@ -88,29 +88,19 @@ def _serve(line: int, options: dict[str, Any]) -> None:
     os.setsid()  # Ctrl-C does not reach the FMU; the program decides when the plant ends
     if _LINUX:
         ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, int(signal.SIGKILL))
-    _limit(options["limits"])
     sys.path += [folder for folder in options["path"] if folder not in sys.path]
+    from railgrip.base.programs import limit_resources
+
+    limits = options["limits"]
+    allowed = {"RLIMIT_AS": limits["memory_mib"] << 20, "RLIMIT_NOFILE": limits["open_files"]}
+    allowed |= {"RLIMIT_FSIZE": limits["output_mib"] << 20, "RLIMIT_CORE": 0}
+    if _LINUX:  # the limit counts all processes and threads of the user, so existing ones are added
+        allowed["RLIMIT_NPROC"] = limits["processes"] + _tasks()
+    limit_resources(allowed)
     from railgrip.fmi.isolation import serve_on
 
-    serve_on(line, options["limits"]["messages"])
+    serve_on(line, limits["messages"])
     os._exit(0)
-
-
-def _limit(limits: dict[str, int]) -> None:
-    import resource
-
-    for what, limit in (
-        (resource.RLIMIT_AS, limits["memory_mib"] << 20),
-        (resource.RLIMIT_NOFILE, limits["open_files"]),
-        (resource.RLIMIT_FSIZE, limits["output_mib"] << 20),
-        # The limit counts all processes and threads of the user, so existing ones are added.
-        *(((resource.RLIMIT_NPROC, limits["processes"] + _tasks()),) if _LINUX else ()),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        _, hard_limit = resource.getrlimit(what)
-        value = limit if hard_limit == resource.RLIM_INFINITY else min(limit, hard_limit)
-        with suppress(OSError, ValueError):  # not every system has this limit
-            resource.setrlimit(what, (value, value))
 
 
 def _tasks() -> int:
