@@ -354,14 +354,19 @@ class CLibrary:
         """
         self.path = shared_library(sources, name)
         self._ffi: Any = FFI()
+        self._doubles = self._ffi.typeof("double *")
         # cffi parses declarations, and no preprocessor lines except those in `constants`.
         lines = [line for header in headers for line in sources[header].splitlines() if not line.startswith("#")]
         self._ffi.cdef(constants + "\n".join(lines))
         self.functions: Any = self._ffi.dlopen(str(self.path))
 
-    def doubles(self, array: NDArray[np.float64]) -> Any:
-        """Return the address of a contiguous array, which the caller must keep alive during the call."""
-        return self._ffi.cast("double *", array.ctypes.data)
+    def address(self, name: str) -> int:
+        """Return the address of a function."""
+        return int(self._ffi.cast("uintptr_t", getattr(self.functions, name)))
+
+    def doubles(self, array: NDArray[np.float64] | None) -> Any:
+        """Return the address of a contiguous array, which the caller must keep alive during the call; null for None."""
+        return self._ffi.cast(self._doubles, 0 if array is None else array.ctypes.data)
 
     def struct(self, name: str, **fields: Any) -> "Struct":
         """Return a struct of a type in the headers; `fields` are as for `Struct.set`, all others are zero."""

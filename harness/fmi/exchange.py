@@ -8,11 +8,9 @@ from central differences. `kernel/prediction.c` makes the calls; `stepped.py` ha
 import ctypes
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from functools import cache
 from importlib.resources import files
 from math import nan
 from pathlib import Path
-from types import MappingProxyType, TracebackType
 from typing import ClassVar, Final, Literal, Self
 from weakref import finalize
 
@@ -32,29 +30,18 @@ KERNEL: Final = ("railgrip.fmi", "prediction")
 # Cube root of the rounding error: truncation (h²) and cancellation (ε/h) of a central difference balance.
 _RELATIVE_STEP: Final = float(np.finfo(float).eps) ** (1 / 3)
 
-_CALLS: Final = MappingProxyType(
-    {
-        "SETTING_STATES": "fmi2SetContinuousStates",
-        "SETTING_INPUTS": "fmi2SetReal",
-        "GETTING_DERIVATIVES": "fmi2GetDerivatives",
-        "GETTING_OUTPUTS": "fmi2GetReal",
-        "DIFFERENTIATING": "fmi2GetDirectionalDerivative",
-        "RESTORING": "fmi2SetFMUstate",
-        "INITIALISING": "fmi2ExitInitializationMode",
-        "STEPPING": "fmi2DoStep",
-        "GETTING_STATES": "fmi2GetReal",
-    }
-)
+_CALLS: Final[Mapping[str, str]] = {
+    "SETTING_STATES": "fmi2SetContinuousStates",
+    "SETTING_INPUTS": "fmi2SetReal",
+    "GETTING_DERIVATIVES": "fmi2GetDerivatives",
+    "GETTING_OUTPUTS": "fmi2GetReal",
+    "DIFFERENTIATING": "fmi2GetDirectionalDerivative",
+    "RESTORING": "fmi2SetFMUstate",
+    "INITIALISING": "fmi2ExitInitializationMode",
+    "STEPPING": "fmi2DoStep",
+    "GETTING_STATES": "fmi2GetReal",
+}
 """The FMI call behind a return value of `prediction.c`, by its name in the header."""
-
-
-@cache
-def _functions() -> ctypes.CDLL:
-    # Released, the interpreter's lock is there for threads of the FMU.
-    library = ctypes.CDLL(str(kernel_library(*KERNEL).path))
-    for function in (library.derivative, library.output):
-        function.argtypes, function.restype = [ctypes.c_void_p] * 5, ctypes.c_int
-    return library
 
 
 def column_groups(pattern: Pattern, columns: int) -> list[list[int]]:
@@ -186,9 +173,7 @@ class FmuPrediction:
         finalize(self, self._stack.close)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._instance = None
         self._stack.close()
 
@@ -230,10 +215,9 @@ class FmuPrediction:
             of_output=self._jacobian(self._output_pattern, outputs), n_states=n, n_inputs=inputs.size,
             n_outputs=outputs.size, nominal=self._nominal, **self._fields(instance),
         )  # fmt: skip
-        self._plan, self._address = self._struct.pointer, self._struct.address
-        functions = _functions()
-        addresses = [ctypes.cast(call, ctypes.c_void_p).value for call in (functions.derivative, functions.output)]
-        self.parameters[:] = np.array([*addresses, self._address], dtype=np.uint64).view(np.float64)
+        self._plan = self._struct.pointer
+        addresses = [kernel_library(*KERNEL).address(name) for name in ("derivative", "output")]
+        self.parameters[:] = np.array([*addresses, self._struct.address], dtype=np.uint64).view(np.float64)
 
     @property
     def _differentiated(self) -> tuple[NDArray[np.uint32], Pattern]:
@@ -384,10 +368,9 @@ class FmuPrediction:
             )
         value = np.zeros(len(self.states if what == "derivative" else self.outputs))
         x, u = (np.ascontiguousarray(part, dtype=np.float64) for part in (x, u))
-        arrays = x, u, value
-        code = getattr(_functions(), what)(
-            self._address, *(a.ctypes.data for a in arrays), None if entries is None else entries.ctypes.data
-        )
+        # A call releases the interpreter's lock, which threads of the FMU may need.
+        library = kernel_library(*KERNEL)
+        code = getattr(library.functions, what)(self._plan, *map(library.doubles, (x, u, value, entries)))
         self._require_fine(code)
         return value
 

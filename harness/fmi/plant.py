@@ -5,14 +5,11 @@ and in the order of the binding, values are converted only where the FMU's units
 are created once.
 """
 
-import ctypes
 from abc import ABC, abstractmethod
 from collections.abc import Generator
 from contextlib import ExitStack, contextmanager
-from functools import cache
 from math import ceil, isclose, isfinite
 from pathlib import Path
-from types import TracebackType
 from typing import Any, ClassVar, Final, Self
 
 import numpy as np
@@ -142,9 +139,7 @@ class LoadedPlant(SteppedPlant):
             self._stack = stack.pop_all()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._instance = None
         self._ready = False
         self._stack.close()
@@ -235,17 +230,6 @@ class LoadedPlant(SteppedPlant):
 _KERNEL: Final = ("railgrip.fmi", "set_step_get")
 
 
-@cache
-def _step() -> Any:
-    """Return the library's function for calls from Python.
-
-    It releases the interpreter's lock: a thread of the FMU may need it, and so does Ctrl-C.
-    """
-    step = ctypes.CDLL(str(kernel_library(*_KERNEL).path)).set_step_get
-    step.argtypes, step.restype = [ctypes.c_void_p, ctypes.c_double], ctypes.c_int
-    return step
-
-
 class CoSimulation(LoadedPlant):
     """A co-simulation FMU 2.0 in this process, stepped in C.
 
@@ -275,9 +259,9 @@ class CoSimulation(LoadedPlant):
             outputs=self.outputs, period=self._period, begin=self._begins,
         )  # fmt: skip
         self._functions = library.functions
-        self._step, self._address = _step(), ctypes.c_void_p(self._struct.address)
-        self.entry = ctypes.cast(self._step, ctypes.c_void_p).value or 0
-        self.plan = self._struct.address
+        # A call releases the interpreter's lock: a thread of the FMU may need it, and so does Ctrl-C.
+        self._step, self._plan = library.functions.set_step_get, self._struct.pointer
+        self.entry, self.plan = library.address("set_step_get"), self._struct.address
 
     def _fill(self, row: np.void, channel: Channel, exchange: int) -> None:
         is_integer = channel.carrier != "Real"
@@ -318,7 +302,7 @@ class CoSimulation(LoadedPlant):
         if not self._ready:
             raise self._not_ready()
         self.inputs[:] = inputs
-        outcome = self._step(self._address, self.sample * self._period)
+        outcome = self._step(self._plan, self.sample * self._period)
         if outcome:
             self.note_steps(0, outcome)
         self.sample += 1
@@ -337,10 +321,10 @@ class CoSimulation(LoadedPlant):
         if rows.ndim != 2 or rows.shape[1] != width or not np.all(np.isfinite(rows)):
             found = f"shape {rows.shape}" if rows.ndim != 2 or rows.shape[1] != width else "a value that is none"
             raise FmuError(f"follow: expects rows of {width} finite inputs, got {found}.")
-        library, outputs, plan = (
+        library, plan, outputs = (
             kernel_library(*_KERNEL),
-            np.empty((len(rows), self.outputs.size)),
             self._struct.pointer,
+            np.empty((len(rows), self.outputs.size)),
         )
         given, shown = library.doubles(rows), library.doubles(outputs)
         outcome = library.functions.follow(plan, len(rows), self.sample, given, width, shown)
