@@ -213,12 +213,6 @@ def _refuse_document_type(path: Path) -> None:
     raise FmuError(f"{path}: {DESCRIPTION} has a document type, which FMI does not; remove it.")
 
 
-def copy_of_description(path: Path, folder: Path) -> Path:
-    """Return a copy of an archive's modelDescription.xml in a folder."""
-    extract(path, folder, lambda name: name == DESCRIPTION)
-    return folder / DESCRIPTION
-
-
 def _mib(size: int) -> str:
     return f"{size / MIB:.0f} MiB"
 

@@ -19,7 +19,7 @@ from railgrip.base.limits import FMU_LIMITS, MIB, FmuLimits
 from railgrip.base.names import did_you_mean
 from railgrip.base.system import Variable
 from railgrip.base.units import BASE, Exponents, Unit, unit
-from railgrip.fmi.archive import DESCRIPTION, Outline, copy_of_description, digest, members, outline
+from railgrip.fmi.archive import DESCRIPTION, Outline, digest, extract, members, outline
 
 PLATFORM: Final[str] = fmpy.platform
 """Name of this platform in FMI 2.0: the folder of the binaries that this machine loads."""
@@ -189,9 +189,9 @@ def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
     blemishes, read = _read(path, fmi)
     try:
         description = _description(path, fmi, content, read, first, blemishes, limits)
+    except FmuError as error:
+        raise FmuError(f"{path}: {error}") from error
     except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
-        if isinstance(error, FmuError):
-            raise
         # Variables that the schema would have rejected, in an FMU that is accepted nevertheless.
         raise FmuError(f"{path}: {blemishes or f'{DESCRIPTION} cannot be understood'}: {error}.") from error
     return _with_binaries(description, inside)
@@ -224,7 +224,8 @@ def _require_known_unknowns(path: Path, fmi: Version, first: Outline) -> None:
 def _read(path: Path, fmi: Version) -> tuple[str, ModelDescription]:
     # FMPy gets the description alone: from an archive it would read further XML that has not been checked.
     with scratch("fmu") as folder, postpone_interrupts():
-        file = str(copy_of_description(path, folder))
+        extract(path, folder, lambda name: name == DESCRIPTION)
+        file = str(folder / DESCRIPTION)
         try:
             return "", read_model_description(file, validate=True)
         except ValidationError as error:
@@ -288,26 +289,24 @@ def _description(
     path: Path, fmi: Version, digest: str, read: ModelDescription, first: Outline, blemishes: str, limits: FmuLimits
 ) -> Description:
     xml: Any = read  # FMPy's classes annotate their fields loosely
-    units = {u.name: _unit(path, u) for u in xml.unitDefinitions}
-    _require_steppable(path, xml)
+    units = {u.name: _unit(u) for u in xml.unitDefinitions}
+    _require_steppable(xml)
     count = sum(math.prod(entry.shape) for entry in xml.modelVariables)
     if count > limits.variables or any(size < 0 for entry in xml.modelVariables for size in entry.shape):
         raise FmuError(
-            f"{path}: {DESCRIPTION} has {count} variables, elements of arrays counted; allowed are {limits.variables}, "
+            f"{DESCRIPTION} has {count} variables, elements of arrays counted; allowed are {limits.variables}, "
             "variables under [limits.fmu]."
         )
-    elements = {v.name: [*_elements(path, fmi, v, units, first.relative)] for v in xml.modelVariables}
+    elements = {v.name: [*_elements(fmi, v, units, first.relative)] for v in xml.modelVariables}
     variables = {variable.name: variable for array in elements.values() for variable in array}
     derivatives = tuple(unknown.variable for unknown in xml.derivatives)
     for d in derivatives:
         if d.derivative is None:
-            raise FmuError(
-                f"{path}: ModelStructure lists '{d.name}' as a derivative, but it does not declare the state."
-            )
+            raise FmuError(f"ModelStructure lists '{d.name}' as a derivative, but it does not declare the state.")
     event_indicators = int(xml.numberOfEventIndicators or 0)
     if not 0 <= event_indicators <= limits.variables:
         raise FmuError(
-            f"{path}: numberOfEventIndicators is {event_indicators} in {DESCRIPTION}; allowed are 0 to "
+            f"numberOfEventIndicators is {event_indicators} in {DESCRIPTION}; allowed are 0 to "
             f"{limits.variables}, variables under [limits.fmu]."
         )
     tools = [e for e in (xml.coSimulation, xml.modelExchange) if e is not None and e.needsExecutionTool]
@@ -331,26 +330,24 @@ def _description(
         },
         event_indicators=event_indicators,
         log_categories=tuple(c.name for c in xml.logCategories),
-        co_simulation=_interface(path, xml.coSimulation, first.step),
-        model_exchange=_interface(path, xml.modelExchange),
+        co_simulation=_interface(xml.coSimulation, first.step),
+        model_exchange=_interface(xml.modelExchange),
         blemishes=blemishes,
     )
 
 
-def _require_steppable(path: Path, xml: Any) -> None:
+def _require_steppable(xml: Any) -> None:
     clocks = [entry.name for entry in xml.modelVariables if entry.type == "Clock"]
     if clocks:
         raise FmuError(
-            f"{path}: '{clocks[0]}' is a clock ({len(clocks)} in all), and railgrip steps FMUs without clocks; export "
+            f"'{clocks[0]}' is a clock ({len(clocks)} in all), and railgrip steps FMUs without clocks; export "
             "it without them."
         )
     if xml.coSimulation is None and xml.modelExchange is None:
-        raise FmuError(
-            f"{path}: it offers neither Co-Simulation nor Model Exchange; export it with one of these interfaces."
-        )
+        raise FmuError("it offers neither Co-Simulation nor Model Exchange; export it with one of these interfaces.")
 
 
-def _unit(path: Path, element: Any) -> Unit | None:
+def _unit(element: Any) -> Unit | None:
     base = element.baseUnit
     if base is None:
         return None
@@ -361,7 +358,7 @@ def _unit(path: Path, element: Any) -> Unit | None:
     try:
         return _with_angle(Unit(name=element.name, exponents=exponents, factor=factor, offset=offset))
     except UnitError as error:
-        raise FmuError(f"{path}: UnitDefinitions: {error}") from error
+        raise FmuError(f"UnitDefinitions: {error}") from error
 
 
 def _with_angle(angle_unit: Unit) -> Unit:
@@ -382,7 +379,7 @@ _REAL = re.compile(r"\s*([+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?INF)\s*", re
 """A number in the format of XML Schema, except NaN, which is not valid as a bound."""
 
 
-def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> float | None:
+def _value_of(element: Any, attribute: str, text: str | None) -> float | None:
     kind = _KINDS.get(element.type, "Integer")
     if text is None or kind in ("String", "Binary"):
         return None
@@ -399,7 +396,7 @@ def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> flo
             value = None
     if value is None:
         raise FmuError(
-            f"{path}: '{element.name}' has {attribute}={text[:40]!r} in {DESCRIPTION}, which is no {kind}; "
+            f"'{element.name}' has {attribute}={text[:40]!r} in {DESCRIPTION}, which is no {kind}; "
             "correct it or ask the tool that made the FMU."
         )
     return value
@@ -412,50 +409,45 @@ def _nominal_of(element: Any) -> float:
     return size if 0.0 < size < math.inf else 1.0
 
 
-def _start_of(path: Path, element: Any, text: str | None) -> float:
-    value = _value_of(path, element, "start", text)
+def _start_of(element: Any, text: str | None) -> float:
+    value = _value_of(element, "start", text)
     return math.nan if value is None else value
 
 
 def _elements(
-    path: Path, fmi: Version, element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]
+    fmi: Version, element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]
 ) -> Iterator[FmuVariable]:
     is_text = element.type in ("String", "Binary")
     texts = [element.start] if element.start is None or is_text or not element.shape else element.start.split()
-    first = _variable(path, fmi, element, units, relatives, texts[0])
+    first = _variable(fmi, element, units, relatives, texts[0])
     if not element.shape:
         yield first
         return
     count = math.prod(element.shape)
     if len(texts) not in (1, count):
         raise FmuError(
-            f"{path}: '{element.name}' has {len(texts)} start values in {DESCRIPTION} and {count} elements; correct it "
+            f"'{element.name}' has {len(texts)} start values in {DESCRIPTION} and {count} elements; correct it "
             "or ask the tool that made the FMU."
         )
     for place, index in enumerate(np.ndindex(element.shape)):
         name = f"{element.name}[{','.join(str(i + 1) for i in index)}]"
         text = texts[place % len(texts)]
-        start = _start_of(path, element, text)
+        start = _start_of(element, text)
         yield replace(first, name=name, element=place, elements=count, start=start, start_text=text)
 
 
 def _variable(
-    path: Path,
-    fmi: Version,
-    element: Any,
-    units: Mapping[str, Unit | None],
-    relatives: frozenset[str],
-    start: str | None,
+    fmi: Version, element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str], start: str | None
 ) -> FmuVariable:
     reference = int(element.valueReference)
     if not 0 <= reference < _REFERENCES:
         raise FmuError(
-            f"{path}: '{element.name}' has valueReference {reference} in {DESCRIPTION}; it is a whole number "
+            f"'{element.name}' has valueReference {reference} in {DESCRIPTION}; it is a whole number "
             f"from 0 to {_REFERENCES - 1}. Ask the tool that made the FMU."
         )
     if element.causality not in get_args(Causality):
         raise FmuError(
-            f"{path}: '{element.name}' has causality={element.causality!r} in {DESCRIPTION}; it is one of "
+            f"'{element.name}' has causality={element.causality!r} in {DESCRIPTION}; it is one of "
             f"{', '.join(get_args(Causality))}."
         )
     declaration = element.declaredType
@@ -478,22 +470,22 @@ def _variable(
         defined_unit=units.get(unit_name),
         unit=unit_name,
         relative=relative,
-        start=_start_of(path, element, start),
+        start=_start_of(element, start),
         start_text=start,
-        minimum=_value_of(path, element, "min", least),
-        maximum=_value_of(path, element, "max", most),
+        minimum=_value_of(element, "min", least),
+        maximum=_value_of(element, "max", most),
         description=element.description or "",
         nominal=_nominal_of(element),
     )
 
 
-def _interface(path: Path, element: Any, suggested: str = "") -> Interface | None:
+def _interface(element: Any, suggested: str = "") -> Interface | None:
     if element is None:
         return None
     text = getattr(element, "fixedInternalStepSize", None)
     if text is not None and not 0.0 < float(text) < math.inf:
         raise FmuError(
-            f"{path}: fixedInternalStepSize is {text} in {DESCRIPTION}, but a positive time in s is expected; correct "
+            f"fixedInternalStepSize is {text} in {DESCRIPTION}, but a positive time in s is expected; correct "
             "it or ask the tool that made the FMU."
         )
     only_step = None
@@ -501,7 +493,7 @@ def _interface(path: Path, element: Any, suggested: str = "") -> Interface | Non
         only_step = float(suggested) if _REAL.fullmatch(suggested) else math.nan
         if not 0.0 < only_step < math.inf:
             raise FmuError(
-                f"{path}: stepSize is {suggested[:40]} in {DESCRIPTION}, but a positive time in s is expected; correct "
+                f"stepSize is {suggested[:40]} in {DESCRIPTION}, but a positive time in s is expected; correct "
                 "it or ask the tool that made the FMU."
             )
     return Interface(

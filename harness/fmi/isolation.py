@@ -23,7 +23,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from secrets import token_hex
 from time import perf_counter
-from types import TracebackType
 from typing import Final, Literal, Self
 
 import numpy as np
@@ -249,9 +248,7 @@ class IsolatedCoSimulation(SteppedPlant):
         options = {"path": path, "limits": self._limits.model_dump(), "output": output, "report": _REPORT.format}
         return json.dumps(options)
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         """Let the child free the FMU, kill it if it does not, and remove the files."""
         self._hurry = self._hurry or kind is not None  # on an error, do not wait for a step to end
         self._stack.close()
@@ -302,9 +299,7 @@ class IsolatedCoSimulation(SteppedPlant):
         Raises:
             PlantFailed: The FMU cannot be initialised, crashes or does not return.
         """
-        values = self._values(self._ask("start", _bytes(inputs)))
-        self.sample = 0
-        return values
+        return self._exchange("start", inputs)
 
     def step(self, inputs: Vector) -> Vector:
         """Hold `inputs` over one period and return the outputs at its end.
@@ -312,14 +307,14 @@ class IsolatedCoSimulation(SteppedPlant):
         Raises:
             PlantFailed: The FMU did not return OK or not in time, crashed, or an output is not finite.
         """
-        values = self._values(self._ask("step", _bytes(inputs)))
-        self.sample += 1
-        return values
+        return self._exchange("step", inputs)
 
-    def _values(self, payload: bytes) -> Vector:
-        if len(payload) != 8 * self._binding.outputs.size:
+    def _exchange(self, request: Request, inputs: Vector) -> Vector:
+        answer = self._ask(request, np.ascontiguousarray(inputs, dtype=np.float64).tobytes())
+        if len(answer) != 8 * self._binding.outputs.size:
             raise self._invalid_answer()
-        return np.frombuffer(payload).copy()
+        self.sample += 1
+        return np.frombuffer(answer).copy()
 
     def _ask(self, request: Request, payload: bytes) -> bytes:
         if self._failure is not None:
@@ -459,7 +454,3 @@ def open_plant(
         description, binding, period=period, parameters=parameters, span=span, limits=limits, table=table,
         notify=notify,
     )  # fmt: skip
-
-
-def _bytes(inputs: Vector) -> bytes:
-    return np.ascontiguousarray(inputs, dtype=np.float64).tobytes()

@@ -179,8 +179,8 @@ def bind(
         names = [s.name for s in group]
         if len(set(names)) != len(names):
             raise FmuError(f"{where}: a signal is listed twice among {', '.join(names)}.")
-    sources = _side(description, inputs, entries, where, "input", into_fmu=True)
-    sinks = _side(description, outputs, entries, where, "output", into_fmu=False)
+    sources = _side(description, inputs, entries, where, "input")
+    sinks = _side(description, outputs, entries, where, "output")
     variables = {v for channel in sources.channels for v in channel.variables}
     if sum(len(c.variables) for c in sources.channels) != len(variables):
         twice = [v for c in sources.channels for v in c.variables]
@@ -190,18 +190,12 @@ def bind(
         inputs=sources,
         outputs=sinks,
         unused=tuple(v for v in description.names("input") if v not in variables),
-        parameters=_side(description, parameters, entries, where, "parameter", into_fmu=True).ties(),
+        parameters=_side(description, parameters, entries, where, "parameter").ties(),
     )
 
 
 def _side(
-    description: Description,
-    signals: Sequence[Port],
-    entries: Mapping[str, object],
-    where: str,
-    causality: Causality,
-    *,
-    into_fmu: bool,
+    description: Description, signals: Sequence[Port], entries: Mapping[str, object], where: str, causality: Causality
 ) -> SignalVector:
     layout: dict[str, slice] = {}
     elements: list[str] = []
@@ -229,7 +223,7 @@ def _side(
         elements += signal.elements
         layout[signal.name] = slice(first, len(elements))
         for position, (element, target) in enumerate(zip(signal.elements, targets, strict=False), start=first):
-            ties.append((position, *_tie(description, signal, element, target, where, causality, into_fmu=into_fmu)))
+            ties.append((position, *_tie(description, signal, element, target, where, causality)))
     if missing:
         raise FmuError(_all_missing(description, missing, causality, where))
     return SignalVector(layout=layout, elements=tuple(elements), absent=tuple(absent), channels=_channels(ties))
@@ -274,14 +268,7 @@ def _channel(carrier: str, ties: Sequence[_Tie]) -> Channel:
 
 
 def _tie(
-    description: Description,
-    signal: Port,
-    element: str,
-    target: _MappedElement,
-    where: str,
-    causality: Causality,
-    *,
-    into_fmu: bool,
+    description: Description, signal: Port, element: str, target: _MappedElement, where: str, causality: Causality
 ) -> tuple[FmuVariable, float, float]:
     variable = description.variable(target.variable, f"{where} {element}")
     file = description.file.name
@@ -301,7 +288,7 @@ def _tie(
         # value.
         gain, shift = conversion(theirs, ours, difference=variable.relative)
     except UnitError as error:
-        way = "sends" if into_fmu else "reads"
+        way = "reads" if causality == "output" else "sends"
         turning = turning_of(theirs, ours)
         remedy = (
             f'say in {where} what turns: {{ variable = "{variable.name}", unit = "rev/{turning}" }}, or rad/{turning}'
@@ -313,7 +300,7 @@ def _tie(
             f"'{signal.unit}'; {theirs.dimension} is not {ours.dimension}; {remedy}."
         ) from error
     gain, shift = target.scale * gain, target.scale * shift
-    return (variable, 1.0 / gain, -shift / gain) if into_fmu else (variable, gain, shift)
+    return (variable, gain, shift) if causality == "output" else (variable, 1.0 / gain, -shift / gain)
 
 
 def _unit_of(variable: FmuVariable, target: _MappedElement, ours: Unit, file: str, who: str) -> Unit:
