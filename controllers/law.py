@@ -25,17 +25,16 @@ NOT_SEEN = float("nan")
 class Tuning(Parameters):
     """Parameters of a law: finite numbers that are not negative; the type of each states its unit and meaning.
 
-    Parameters that are not searched have a default; the values of the others are in the law's sets.
+    Parameters that are not searched have a default; the values of the others are in the law's sets. A class is named
+    as its law, followed by Tuning, which messages leave out.
 
     Attributes:
-        LAW: Name of the law in messages.
         POSITIVE: Names of the parameters that must not be zero.
         FIXED: Names of the parameters that other tables of the scenario set.
         ORDER: Required orders of parameters and numbers, such as `low < high < 1`, some with a remark for the message
             after a semicolon.
     """
 
-    LAW: ClassVar[str] = ""
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period"})
     FIXED: ClassVar[frozenset[str]] = frozenset({"period"})
     ORDER: ClassVar[tuple[str, ...]] = ()
@@ -46,14 +45,13 @@ class Tuning(Parameters):
         Raises:
             ValueError: A value is negative or not finite, zero where it must be positive, or not in the required order.
         """
+        law_name = type(self).__name__.removesuffix("Tuning")
         for name, (unit, *_) in self.meanings().items():
             value = getattr(self, name)
             least = float_info.min if name in self.POSITIVE else 0.0
             if not (isinstance(value, int | float) and least <= value <= float_info.max):
                 kind = "positive" if name in self.POSITIVE else "not negative"
-                raise ValueError(
-                    f"{self.LAW or type(self).__name__}: {name} must be finite and {kind}, got {short(value)} {unit}."
-                )
+                raise ValueError(f"{law_name}: {name} must be finite and {kind}, got {short(value)} {unit}.")
         for text in self.ORDER:
             order, semicolon, remark = text.partition(";")
             terms, signs = order.split()[::2], order.split()[1::2]
@@ -61,7 +59,7 @@ class Tuning(Parameters):
             pairs = zip(map(float, values), signs, map(float, values[1:]), strict=False)
             if not all(low <= high if sign == "<=" else low < high for low, sign, high in pairs):
                 found = [f"{term} = {value}" for term, value in zip(terms, values, strict=True) if term.isidentifier()]
-                raise ValueError(f"{self.LAW}: {order} is required, got {', '.join(found)}{semicolon}{remark}.")
+                raise ValueError(f"{law_name}: {order} is required, got {', '.join(found)}{semicolon}{remark}.")
 
     @classmethod
     def units(cls) -> dict[str, str]:

@@ -22,7 +22,7 @@ LAW = '''
     """A share of full pressure."""
 
     from dataclasses import dataclass
-    from typing import Annotated, ClassVar
+    from typing import Annotated
 
     from railgrip.controllers.law import GroupLaw, Tuning
 
@@ -30,8 +30,6 @@ LAW = '''
     @dataclass(frozen=True, slots=True, kw_only=True)
     class ShareTuning(Tuning):
         share: Annotated[float, "1", "of full pressure"]
-
-        LAW: ClassVar[str] = "Share"
 
 
     class Share(GroupLaw):

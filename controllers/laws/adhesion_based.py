@@ -15,7 +15,7 @@ from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, ch
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PeakSeekingTuning(SwitchingTuning):
+class AdhesionBasedTuning(SwitchingTuning):
     """Parameters of peak seeking.
 
     With a `margin` of zero the law seeks the peak itself; with a small positive one a rise of adhesion along the track
@@ -31,8 +31,6 @@ class PeakSeekingTuning(SwitchingTuning):
     dwell: Annotated[float, "s", "shortest time between two changes of direction"]
     slip_vent: Annotated[float, "1", "slip above which the brake is released"]
     adhesion_guard: Annotated[float, "1", "distance below adhesion_max at which the torque is capped"] = 0.003
-
-    LAW: ClassVar[str] = "AdhesionBased"
 
 
 class AdhesionBased(GroupLaw):
@@ -63,7 +61,7 @@ class AdhesionBased(GroupLaw):
 
     description = "Adhesion-based wheel-slide protection, peak seeking"
     needs = ("adhesion", "pad_friction")
-    tuning = PeakSeekingTuning
+    tuning = AdhesionBasedTuning
     # Times and rates range from faster than the actuation to slower than changes of the rail. `slip_small` and
     # `creep_small` depend on the smallest slip that the sensors resolve; ideal sensors resolve any, so they are fixed.
     ranges: ClassVar[Ranges] = {

@@ -31,12 +31,11 @@ class SwitchingTuning(Tuning):
     adhesion_max: Annotated[float, "1", "highest adhesion that may be used"]
     speed_min: Annotated[float, "m/s", "train speed below which the brake is simply applied"] = 0.5
 
-    LAW: ClassVar[str] = "LiteralAdhesionBased"
     FIXED: ClassVar[frozenset[str]] = frozenset({"period", "adhesion_max"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LiteralTuning(SwitchingTuning):
+class LiteralAdhesionBasedTuning(SwitchingTuning):
     """Parameters of the law as printed. It shares all but `hold` with peak seeking."""
 
     hold: Annotated[float, "1", "1: keep the last pressure while ṡ·α̇ = 0; 0: half pressure, as sgn(0) = 0 gives"] = 1.0
@@ -57,7 +56,7 @@ class LiteralAdhesionBased(GroupLaw):
     description = "Adhesion-based wheel-slide protection as printed"
     brake_data = FULL_PRESSURE
     needs = ("adhesion",)
-    tuning = LiteralTuning
+    tuning = LiteralAdhesionBasedTuning
     # As for peak seeking; the filter may be slower, because nothing else smooths the switching.
     ranges: ClassVar[Ranges] = {
         ("ideal", "estimated"): {

@@ -17,7 +17,6 @@ class ConstantSlipTuning(Tuning):
     integral_time: Annotated[float, "s", "after which the integral term equals the proportional one"]
     speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
 
-    LAW: ClassVar[str] = "ConstantSlip"
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip", "integral_time"})
     ORDER: ClassVar[tuple[str, ...]] = ("slip < 1; a slip of 1 is that of a locked wheel",)
 

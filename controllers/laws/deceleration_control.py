@@ -16,14 +16,14 @@ from typing import Annotated, ClassVar
 import casadi as ca
 
 from railgrip.controllers.law import GroupObservation, Ranges, pressure_for
-from railgrip.controllers.laws.slope_seeking import SlopeSeeking, SlopeTuning
+from railgrip.controllers.laws.slope_seeking import SlopeSeeking, SlopeSeekingTuning
 from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, either, every, within
 from railgrip.controllers.train_level import PAD_FRICTION, T_REDISTRIBUTION
 from railgrip.vehicle.brake import pad_force
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DecelerationTuning(SlopeTuning):
+class DecelerationControlTuning(SlopeSeekingTuning):
     """Parameters of `DecelerationControl`, besides those of `SlopeSeeking`."""
 
     target: Annotated[float, "m", "distance of the target from the start; 0: none, the driver's demand is followed"] = (
@@ -48,10 +48,9 @@ class DecelerationTuning(SlopeTuning):
     )
     sand_speed: Annotated[float, "m/s", "train speed below which no sand is laid"] = 1.0
 
-    LAW: ClassVar[str] = "DecelerationControl"
-    POSITIVE: ClassVar[frozenset[str]] = SlopeTuning.POSITIVE | {"deceleration", "emergency"}
+    POSITIVE: ClassVar[frozenset[str]] = SlopeSeekingTuning.POSITIVE | {"deceleration", "emergency"}
     ORDER: ClassVar[tuple[str, ...]] = (
-        *SlopeTuning.ORDER,
+        *SlopeSeekingTuning.ORDER,
         "deceleration < emergency",
         "utilisation_sand < utilisation_full",
     )
@@ -85,7 +84,7 @@ class DecelerationControl(SlopeSeeking):
     """
 
     description = "Deceleration control of the train over slip control on the slope of adhesion"
-    tuning = DecelerationTuning
+    tuning = DecelerationControlTuning
     exceeds_driver = True
     # `railgrip study stop_at_target` searches this law by the error of the stopping point, not by the distance.
     ranges: ClassVar[Ranges] = {}

@@ -20,7 +20,6 @@ class ExtremumSeekingTuning(SetSlipTuning):
     washout_time: Annotated[float, "s", "time constant of the high-pass over the adhesion"]
     climb: Annotated[float, "1/s", "relative rate of the set slip for an elasticity of 1"]
 
-    LAW: ClassVar[str] = "ExtremumSeeking"
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
         {"period", "slip_start", "slip_least", "dither", "frequency", "integral_time", "adhesion_small"}
     )

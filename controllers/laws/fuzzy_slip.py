@@ -29,7 +29,6 @@ class FuzzySlipTuning(Tuning):
     vent_rate: Annotated[float, "1/s", "rate of the pressure over the full one of a rule that vents"]
     speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
 
-    LAW: ClassVar[str] = "FuzzySlip"
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip_medium", "deceleration", "vent_rate"})
     ORDER: ClassVar[tuple[str, ...]] = ("slip_medium < 1", "1 < slip_ratio")
 

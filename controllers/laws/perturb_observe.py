@@ -16,7 +16,6 @@ class PerturbObserveTuning(SetSlipTuning):
     interval: Annotated[float, "s", "between two steps"]
     settling: Annotated[float, "1", "share of the interval after a step in which adhesion is not averaged", 0.9] = 0.5
 
-    LAW: ClassVar[str] = "PerturbObserve"
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip_start", "slip_least", "interval", "integral_time"})
 
     def __post_init__(self) -> None:

@@ -27,7 +27,6 @@ class RecursiveSlopeTuning(SetSlipTuning):
     frequency: Annotated[float, "Hz", "of the excitation"] = 1.0
     climb: Annotated[float, "1/s", "relative rate of the set slip for an elasticity of 1"]
 
-    LAW: ClassVar[str] = "RecursiveSlope"
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
         {"period", "slip_start", "slip_least", "memory", "covariance_max", "integral_time", "adhesion_small"}
     )

@@ -20,7 +20,6 @@ class SlipLevels(Tuning):
     speed_min: Annotated[float, "m/s", "train speed below which protection is off"] = 0.5
     hold: Annotated[float, "1", "1: between the levels the pressure stays; 0: the last action goes on", 1.0] = 0.0
 
-    LAW: ClassVar[str] = "SlipBased"
     POSITIVE: ClassVar[frozenset[str]] = frozenset()
     FIXED: ClassVar[frozenset[str]] = frozenset({"hold"})
     ORDER: ClassVar[tuple[str, ...]] = ("0 < low < high < 1; for a locked wheel use full_brake",)

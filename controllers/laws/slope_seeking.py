@@ -25,7 +25,7 @@ from railgrip.vehicle.brake import piston_force
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SlopeTuning(Tuning):
+class SlopeSeekingTuning(Tuning):
     """Parameters of `SlopeSeeking`, one set for every actuation.
 
     Filters and rate limits are slower than the valves and faster than changes of the rail; the limit of adhesion is the
@@ -63,7 +63,6 @@ class SlopeTuning(Tuning):
     adhesion_guard: Annotated[float, "1", "distance below adhesion_max at which the torque is capped"] = 0.003
     speed_min: Annotated[float, "m/s", "train speed below which the brake is simply applied"] = 0.5
 
-    LAW: ClassVar[str] = "SlopeSeeking"
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
         {"period", "filter_time", "washout_time", "window", "correlation_time", "dither_time"}
     )
@@ -111,7 +110,7 @@ class SlopeSeeking(GroupLaw):
 
     description = "Slip control on the slope of adhesion over slip"
     needs = ("adhesion", "pad_friction")
-    tuning = SlopeTuning
+    tuning = SlopeSeekingTuning
     ranges: ClassVar[Ranges] = {
         ("pneumatic", "estimated"): {
             "window": (0.3, 0.7),
@@ -228,7 +227,7 @@ def seek(draft: FormulaBuilder, train: Sequence[Wheels], targets: Sequence[Targe
         draft: Formula that gets the states.
         train: Signals of the groups.
         targets: Slip that each group seeks, and its rate [1/s].
-        t: Parameters, those of `SlopeTuning`.
+        t: Parameters, those of `SlopeSeekingTuning`.
     """
     demands: list[Expression] = []
     for signals, target in zip(train, targets, strict=True):

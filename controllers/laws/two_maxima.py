@@ -20,7 +20,7 @@ import casadi as ca
 from railgrip.controllers.law import GroupObservation, Ranges
 from railgrip.controllers.laws.slope_seeking import (
     SlopeSeeking,
-    SlopeTuning,
+    SlopeSeekingTuning,
     Target,
     Wheels,
     seek,
@@ -32,7 +32,7 @@ from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, ch
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TwoMaximaTuning(SlopeTuning):
+class TwoMaximaTuning(SlopeSeekingTuning):
     """Parameters of `TwoMaxima`, besides those of `SlopeSeeking`."""
 
     slip_deep: Annotated[float, "1", "slip that is sought on a rail that slip cleans"]
@@ -56,10 +56,9 @@ class TwoMaximaTuning(SlopeTuning):
         60.0
     )
 
-    LAW: ClassVar[str] = "TwoMaxima"
-    POSITIVE: ClassVar[frozenset[str]] = SlopeTuning.POSITIVE | {"comparison_time", "trial_mean", "level_time"}
+    POSITIVE: ClassVar[frozenset[str]] = SlopeSeekingTuning.POSITIVE | {"comparison_time", "trial_mean", "level_time"}
     ORDER: ClassVar[tuple[str, ...]] = (
-        *SlopeTuning.ORDER,
+        *SlopeSeekingTuning.ORDER,
         "0 < slip_deep < slip_vent_deep < 1",
         "0 < slip_trial < slip_vent_deep < 1",
     )

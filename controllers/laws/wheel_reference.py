@@ -42,7 +42,6 @@ class WheelReferenceTuning(Tuning):
     apply_time: Annotated[float, "s", "duration of this braking"] = 1.0
     speed_min: Annotated[float, "m/s", "reference speed below which protection is off"] = 1.4
 
-    LAW: ClassVar[str] = "WheelReference"
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
         {"period", "slip_low", "deceleration", "deceleration_max", "rise", "vent_max"}
     )
