@@ -118,7 +118,7 @@ class TwoMaxima(SlopeSeeking):
         vent = choose(either(deep > 0.5, trial > 0.5), tuning["slip_vent_deep"], tuning["slip_vent"])
         t = {**tuning, "slip_vent": vent}
         wheels = [wheels_of(draft, group, t) for group in train]
-        compared = _compare(draft, wheels, t, deep, trial)
+        compared = GroupComparison(draft, wheels, t, deep, trial)
         speed = train[0].speed
         ended = draft.state("ended_speed", "m/s", "train speed at which deep slip or a trial ended last", _BEYOND)
         begins = every(
@@ -129,9 +129,8 @@ class TwoMaxima(SlopeSeeking):
             speed < t["speed_ratio"] * ended,
             speed > t["trial_speed"],
         )
-        succeeds, fails, leads = _try(draft, wheels, t, trial, begins, compared)
-        loses = _loses(draft, wheels, t, deep, trial, compared)
-        ends = every(deep > 0.5, either(compared.advantage < t["advantage_low"], loses))
+        succeeds, fails, leads = compared.attempt(begins)
+        ends = every(deep > 0.5, either(compared.advantage < t["advantage_low"], compared.loses()))
         draft.keep(ended, choose(either(ends, fails), speed, ended))
         draft.keep(trial, choose(begins, 1.0, choose(either(succeeds, fails), 0.0, trial)))
         following = choose(succeeds, 1.0, choose(ends, 0.0, deep))
@@ -160,183 +159,173 @@ _WITNESSES = 2  # groups behind that must have reached the cleaned places
 _BEGIN = 0.03  # lowest slip from which deep slip is approached
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GroupAdvantage:
-    """Groups behind compared with the first group that the rail limits.
+class GroupComparison:
+    """Groups behind compared with the first group that the rail limits, and what follows from it.
 
     Attributes:
         advantage: ln of the adhesion of groups behind over that of the first one at the same place, averaged.
         compares: Whether groups are compared now.
-        places: Distance of each group from the place of the leading wheelset at the brake demand [m].
-        logarithms: ln of the adhesion of each group.
-        is_first: Whether each group is the first one that the rail limits.
-        limited: Whether the rail limits the adhesion of each group.
-        slide: Place at which the first group first slid in this stop [m].
     """
 
-    advantage: Expression
-    compares: Expression
-    places: Sequence[Expression]
-    logarithms: Sequence[Expression]
-    is_first: Sequence[Expression]
-    limited: Sequence[Expression]
-    slide: Expression
+    def __init__(
+        self, draft: FormulaBuilder, train: Sequence[Wheels], t: Symbols, deep: Expression, trial: Expression
+    ) -> None:
+        """Compare the groups at the same places.
 
+        The distance of a group is that from the place of the leading wheelset at the brake demand.
+        """
+        last_distance = draft.state("distance", "m", "distance since braking began")
+        distance = last_distance + train[0].group.speed * t["period"]
+        draft.keep(last_distance, distance)
+        logarithms = [ca.log(ca.fmax(each.adhesion, _LEAST)) for each in train]
+        limited: list[Expression] = []
+        for each in train:
+            enough = choose(deep > 0.5, each.filtered > _REACHED * t["slip_deep"], 1.0)
+            by_rail = each.group.pressure < _FULL * each.group.brake["pressure_max"]
+            limited.append(every(each.sliding, enough, by_rail))
 
-def _compare(
-    draft: FormulaBuilder,
-    train: Sequence[Wheels],
-    t: Symbols,
-    deep: Expression,
-    trial: Expression,
-) -> GroupAdvantage:
-    """Return the comparison of the groups at the same places, averaged."""
-    last_distance = draft.state("distance", "m", "distance since braking began")
-    distance = last_distance + train[0].group.speed * t["period"]
-    draft.keep(last_distance, distance)
-    logarithms = [ca.log(ca.fmax(each.adhesion, _LEAST)) for each in train]
-    limited: list[Expression] = []
-    for each in train:
-        enough = choose(deep > 0.5, each.filtered > _REACHED * t["slip_deep"], 1.0)
-        by_rail = each.group.pressure < _FULL * each.group.brake["pressure_max"]
-        limited.append(every(each.sliding, enough, by_rail))
+        places = [distance - draft.parameter(each.group.label("position"), "m", _POSITION) for each in train]
+        loads = [each.group.brake["load"] for each in train]
+        found, place, value, slip = 0.0, distance, _UNKNOWN, 1.0  # of the first group that the rail limits
+        behind: list[Expression] = []
+        first: list[Expression] = []
+        for each, at, logarithm, counts in zip(train, places, logarithms, limited, strict=True):
+            is_first = every(found < 0.5, counts)
+            first.append(is_first)
+            behind.append(every(found > 0.5, counts))
+            place = choose(is_first, at, place)
+            value = choose(is_first, logarithm, value)
+            slip = choose(is_first, each.filtered, slip)
+            found = choose(is_first, 1.0, found)
+        slide = draft.state("slide_place", "m", "where the first group first slid", _BEYOND)
+        draft.keep(slide, choose(found > 0.5, ca.fmin(slide, place), slide))
+        recall = _memory(draft, place, value, deep + trial)
+        differences: list[tuple[Expression, Expression]] = []
+        for each, counts, at, logarithm in zip(train, behind, places, logarithms, strict=True):
+            known = recall(at)
+            near = place - at < _CELL * (_CELLS - _AHEAD - 1)
+            at_place, at_time = logarithm - known, logarithm - value
+            smaller = choose(ca.fabs(at_place) < ca.fabs(at_time), at_place, at_time)
+            alike = every(each.filtered < _ALIKE * slip, slip < _ALIKE * each.filtered)
+            counts = every(counts, alike, near, known < _UNKNOWN, value < _UNKNOWN, trial < 0.5)
+            differences.append((counts, within(smaller, -_LARGEST, _LARGEST)))
+        compares = either(0.0, *(counts for counts, _ in differences))
+        last = draft.state("advantage_before", "1", "mean of the comparison at the last sample")
+        share = choose(compares, t["period"] / t["comparison_time"], 0.0)
+        advantage = last + share * (weighted_mean(differences, loads) - last)
+        draft.keep(last, advantage)
+        meaning = "ln(adhesion) of groups behind over that of the first at the same place"
+        draft.show("advantage", "1", meaning, advantage)
+        self.advantage, self.compares = advantage, compares
+        self._draft, self._train, self._t, self._deep, self._trial = draft, train, t, deep, trial
+        self._places, self._logarithms, self._loads = places, logarithms, loads
+        self._is_first, self._limited, self._slide = first, limited, slide
 
-    places = [distance - draft.parameter(each.group.label("position"), "m", _POSITION) for each in train]
-    loads = [each.group.brake["load"] for each in train]
-    found, place, value, slip = 0.0, distance, _UNKNOWN, 1.0  # of the first group that the rail limits
-    behind: list[Expression] = []
-    first: list[Expression] = []
-    for each, at, logarithm, counts in zip(train, places, logarithms, limited, strict=True):
-        is_first = every(found < 0.5, counts)
-        first.append(is_first)
-        behind.append(every(found > 0.5, counts))
-        place = choose(is_first, at, place)
-        value = choose(is_first, logarithm, value)
-        slip = choose(is_first, each.filtered, slip)
-        found = choose(is_first, 1.0, found)
-    slide = draft.state("slide_place", "m", "where the first group first slid", _BEYOND)
-    draft.keep(slide, choose(found > 0.5, ca.fmin(slide, place), slide))
-    recall = _memory(draft, place, value, deep + trial)
-    differences: list[tuple[Expression, Expression]] = []
-    for each, counts, at, logarithm in zip(train, behind, places, logarithms, strict=True):
-        known = recall(at)
-        near = place - at < _CELL * (_CELLS - _AHEAD - 1)
-        at_place, at_time = logarithm - known, logarithm - value
-        smaller = choose(ca.fabs(at_place) < ca.fabs(at_time), at_place, at_time)
-        alike = every(each.filtered < _ALIKE * slip, slip < _ALIKE * each.filtered)
-        counts = every(counts, alike, near, known < _UNKNOWN, value < _UNKNOWN, trial < 0.5)
-        differences.append((counts, within(smaller, -_LARGEST, _LARGEST)))
-    compares = either(0.0, *(counts for counts, _ in differences))
-    last = draft.state("advantage_before", "1", "mean of the comparison at the last sample")
-    share = choose(compares, t["period"] / t["comparison_time"], 0.0)
-    advantage = last + share * (weighted_mean(differences, loads) - last)
-    draft.keep(last, advantage)
-    draft.show("advantage", "1", "ln(adhesion) of groups behind over that of the first at the same place", advantage)
-    return GroupAdvantage(
-        advantage=advantage,
-        compares=compares,
-        places=places,
-        logarithms=logarithms,
-        is_first=first,
-        limited=limited,
-        slide=slide,
-    )
+    def attempt(self, begins: Expression) -> tuple[Expression, Expression, list[Expression]]:
+        """Let the first group slip deep; return whether the trial succeeds or fails now, and whether each group leads.
 
+        The cleaning of passing wheels does not depend on their slip. So the trial succeeds where the first group loses
+        no adhesion by deep slip, or where groups behind gain as much at the places that it has slipped over.
+        """
+        draft, t, trial = self._draft, self._t, self._trial
+        leads: list[Expression] = []
+        for each, is_first in zip(self._train, self._is_first, strict=True):
+            lead = draft.state(each.group.label("leads"), "1", "1 if it slips deep in a trial")
+            leads.append(choose(begins, is_first, lead))
+            draft.keep(lead, leads[-1])
+        is_lead = [lead > 0.5 for lead in leads]
+        own, behind, reached, enough = self._response(begins, is_lead)
+        period = t["period"]
+        settled = draft.state("settled", "s", "time since the first group reached its slip")
+        waited = draft.state("waited", "s", "time for which enough groups have been at places that it has slipped over")
+        elapsed = draft.state("elapsed", "s", "time since the trial began")
+        draft.keep(settled, choose(begins, 0.0, settled + choose(reached, period, 0.0)))
+        draft.keep(waited, choose(begins, 0.0, waited + choose(enough, period, 0.0)))
+        draft.keep(elapsed, choose(begins, 0.0, elapsed + period))
+        gains = either(own + behind > t["response_least"], behind > t["response_behind"])
+        by_behind = every(enough, waited > t["trial_mean"], gains)
+        by_own = every(settled > 2.0 * t["trial_mean"], own > t["response_own"])
+        succeeds = every(trial > 0.5, either(by_behind, by_own))
+        over = either(waited > t["trial_wait"], elapsed > t["trial_longest"])
+        fails = every(trial > 0.5, over, ca.logic_not(succeeds))
+        return succeeds, fails, is_lead
 
-def _try(
-    draft: FormulaBuilder,
-    train: Sequence[Wheels],
-    t: Symbols,
-    trial: Expression,
-    begins: Expression,
-    compared: GroupAdvantage,
-) -> tuple[Expression, Expression, list[Expression]]:
-    """Let the first group slip deep, and return whether the trial succeeds or fails now, and whether each group leads.
+    def _response(
+        self, begins: Expression, is_lead: Sequence[Expression]
+    ) -> tuple[Expression, Expression, Expression, Expression]:
+        """Return the changes of ln(adhesion) since the trial began, without those that all groups have.
 
-    The cleaning of passing wheels does not depend on their slip. So the trial succeeds where the first group loses no
-    adhesion by deep slip, or where groups behind gain as much at the places that it has slipped over.
-    """
-    leads: list[Expression] = []
-    for each, is_first in zip(train, compared.is_first, strict=True):
-        lead = draft.state(each.group.label("leads"), "1", "1 if it slips deep in a trial")
-        leads.append(choose(begins, is_first, lead))
-        draft.keep(lead, leads[-1])
-    is_lead = [lead > 0.5 for lead in leads]
-    own, behind, reached, enough = _response(draft, train, t, trial, begins, compared, is_lead)
-    period = t["period"]
-    settled = draft.state("settled", "s", "time since the first group reached its slip")
-    waited = draft.state("waited", "s", "time for which enough groups have been at places that it has slipped over")
-    elapsed = draft.state("elapsed", "s", "time since the trial began")
-    draft.keep(settled, choose(begins, 0.0, settled + choose(reached, period, 0.0)))
-    draft.keep(waited, choose(begins, 0.0, waited + choose(enough, period, 0.0)))
-    draft.keep(elapsed, choose(begins, 0.0, elapsed + period))
-    gains = either(own + behind > t["response_least"], behind > t["response_behind"])
-    by_behind = every(enough, waited > t["trial_mean"], gains)
-    by_own = every(settled > 2.0 * t["trial_mean"], own > t["response_own"])
-    succeeds = every(trial > 0.5, either(by_behind, by_own))
-    over = either(waited > t["trial_wait"], elapsed > t["trial_longest"])
-    fails = every(trial > 0.5, over, ca.logic_not(succeeds))
-    return succeeds, fails, is_lead
+        These are the change of the first group, and the mean change of the groups behind that are at places that it
+        has slipped over; then whether the first group has reached its slip, and whether `_WITNESSES` groups, or all
+        that the rail limited before the trial, are at these places.
 
+        A group that the brake limits at the cleaned places gains at least what it shows. Friction that varies over time
+        changes the groups that have not reached these places, too: the smaller one of a change and its difference to
+        theirs counts.
+        """
+        draft, train, t, trial = self._draft, self._train, self._t, self._trial
 
-def _response(
-    draft: FormulaBuilder,
-    train: Sequence[Wheels],
-    t: Symbols,
-    trial: Expression,
-    begins: Expression,
-    compared: GroupAdvantage,
-    is_lead: Sequence[Expression],
-) -> tuple[Expression, Expression, Expression, Expression]:
-    """Return the changes of ln(adhesion) since the trial began, without those that all groups have.
+        def of_lead(values: Sequence[Expression]) -> Expression:
+            return sum(choose(lead, value, 0.0) for lead, value in zip(is_lead, values, strict=True))
 
-    These are the change of the first group, and the mean change of the groups behind that are at places that it has
-    slipped over; then whether the first group has reached its slip, and whether `_WITNESSES` groups, or all that the
-    rail limited before the trial, are at these places.
+        place = of_lead(self._places)
+        dive = draft.state("dive_place", "m", "where the first group left the slope")
+        draft.keep(dive, choose(begins, place, dive))
+        begin = draft.state("trial_place", "m", "where the first group reached its slip in a trial; 0 before that")
+        has_slip = of_lead([each.filtered for each in train]) > _REACHED * t["slip_trial"]
+        start = choose(begins, 0.0, choose(every(trial > 0.5, begin <= 0.0, has_slip), place, begin))
+        draft.keep(begin, start)
 
-    A group that the brake limits at the cleaned places gains at least what it shows. Friction that varies over time
-    changes the groups that have not reached these places, too: the smaller one of a change and its difference to
-    theirs counts.
-    """
+        entered = self._slide + _ENTRY
+        last_of_rail = draft.state("change_of_rail", "1", "change of ln(adhesion) of groups before the cleaned places")
+        changes: list[Expression] = []
+        others: list[Expression] = []
+        rows = zip(train, self._places, self._logarithms, self._limited, is_lead, strict=True)
+        for each, at, logarithm, limits, lead in rows:
+            last = draft.state(each.group.label("smooth"), "1", "mean of ln(adhesion)")
+            mean = last + t["period"] / (t["trial_mean"] + t["period"]) * (logarithm - last)
+            draft.keep(last, mean)
+            before = draft.state(each.group.label("before"), "1", "that before the trial, or after the first slide")
+            draft.keep(before, choose(begins, mean, choose(at < entered, mean - last_of_rail, before)))
+            changes.append(mean - before)
+            was = draft.state(each.group.label("was_limited"), "1", "1 if the rail limited adhesion before the trial")
+            draft.keep(was, choose(begins, limits, was))
+            others.append(every(was > 0.5, ca.logic_not(lead)))
+        untouched = [every(other, at > entered, at < dive) for other, at in zip(others, self._places, strict=True)]
+        inside = [every(other, start > 0.0, at > start) for other, at in zip(others, self._places, strict=True)]
+        present = weighted_mean(list(zip(untouched, changes, strict=True)), self._loads)
+        of_rail = choose(either(0.0, *untouched), present, last_of_rail)
+        draft.keep(last_of_rail, choose(begins, 0.0, of_rail))
+        by_slip = [ca.fmin(change, change - of_rail) for change in changes]
+        own, behind = of_lead(by_slip), weighted_mean(list(zip(inside, by_slip, strict=True)), self._loads)
+        number = sum(choose(other, 1.0, 0.0) for other in others)
+        count = sum(choose(each, 1.0, 0.0) for each in inside)
+        meaning = "ln(adhesion) in a trial: change of the first group and of those behind"
+        draft.show("response", "1", meaning, own + behind)
+        return own, behind, start > 0.0, count >= ca.fmin(number, _WITNESSES)
 
-    def of_lead(values: Sequence[Expression]) -> Expression:
-        return sum(choose(lead, value, 0.0) for lead, value in zip(is_lead, values, strict=True))
+    def loses(self) -> Expression:
+        """Return whether the train has less adhesion in deep slip than on the slope before it."""
+        draft, t = self._draft, self._t
+        pairs = list(zip([each.valid for each in self._train], self._logarithms, strict=True))
+        present, is_deep, period = weighted_mean(pairs, self._loads), self._deep > 0.5, t["period"]
 
-    loads = [each.group.brake["load"] for each in train]
-    place = of_lead(compared.places)
-    dive = draft.state("dive_place", "m", "where the first group left the slope")
-    draft.keep(dive, choose(begins, place, dive))
-    begin = draft.state("trial_place", "m", "where the first group reached its slip in a trial; 0 before that")
-    has_slip = of_lead([each.filtered for each in train]) > _REACHED * t["slip_trial"]
-    start = choose(begins, 0.0, choose(every(trial > 0.5, begin <= 0.0, has_slip), place, begin))
-    draft.keep(begin, start)
+        def mean(name: str, counts: Expression, begins: Expression) -> tuple[Expression, Expression]:
+            """Return the mean since it began, over the last `level_time` at most, and its time so far."""
+            before = draft.state(f"level_{name}", "1", f"mean of ln(adhesion) of the train {name}")
+            since = draft.state(f"time_{name}", "s", "for how long that has been formed")
+            last = choose(begins, 0.0, since)
+            time = choose(counts, last + period, last)
+            share = choose(counts, period / ca.fmax(ca.fmin(time, t["level_time"]), period), 0.0)
+            now = before + share * (present - before)
+            draft.keep(before, now)
+            draft.keep(since, time)
+            return now, time
 
-    entered = compared.slide + _ENTRY
-    last_of_rail = draft.state("change_of_rail", "1", "change of ln(adhesion) of groups before the cleaned places")
-    changes: list[Expression] = []
-    others: list[Expression] = []
-    rows = zip(train, compared.places, compared.logarithms, compared.limited, is_lead, strict=True)
-    for each, at, logarithm, limits, lead in rows:
-        last = draft.state(each.group.label("smooth"), "1", "mean of ln(adhesion)")
-        mean = last + t["period"] / (t["trial_mean"] + t["period"]) * (logarithm - last)
-        draft.keep(last, mean)
-        before = draft.state(each.group.label("before"), "1", "that before the trial, or after the first slide")
-        draft.keep(before, choose(begins, mean, choose(at < entered, mean - last_of_rail, before)))
-        changes.append(mean - before)
-        was = draft.state(each.group.label("was_limited"), "1", "1 if the rail limited the adhesion before the trial")
-        draft.keep(was, choose(begins, limits, was))
-        others.append(every(was > 0.5, ca.logic_not(lead)))
-    untouched = [every(other, at > entered, at < dive) for other, at in zip(others, compared.places, strict=True)]
-    inside = [every(other, start > 0.0, at > start) for other, at in zip(others, compared.places, strict=True)]
-    present = weighted_mean(list(zip(untouched, changes, strict=True)), loads)
-    of_rail = choose(either(0.0, *untouched), present, last_of_rail)
-    draft.keep(last_of_rail, choose(begins, 0.0, of_rail))
-    by_slip = [ca.fmin(change, change - of_rail) for change in changes]
-    own, behind = of_lead(by_slip), weighted_mean(list(zip(inside, by_slip, strict=True)), loads)
-    number = sum(choose(other, 1.0, 0.0) for other in others)
-    count = sum(choose(each, 1.0, 0.0) for each in inside)
-    draft.show("response", "1", "ln(adhesion) in a trial: change of the first group and of those behind", own + behind)
-    return own, behind, start > 0.0, count >= ca.fmin(number, _WITNESSES)
+        on_slope = every(ca.logic_not(is_deep), self._trial < 0.5, either(0.0, *self._limited))
+        slope, _ = mean("on_slope", on_slope, 0.0)
+        level, time = mean("in_deep_slip", is_deep, ca.logic_not(is_deep))
+        return every(is_deep, time >= t["level_time"], level < slope - t["level_loss"])
 
 
 _POSITION = "distance of the group behind the leading wheelset"
@@ -365,37 +354,6 @@ def _memory(
         return choose(place > 0.0, sum(choose(wanted == float(i), cell, 0.0) for i, cell in enumerate(cells)), _UNKNOWN)
 
     return recall
-
-
-def _loses(
-    draft: FormulaBuilder,
-    train: Sequence[Wheels],
-    t: Symbols,
-    deep: Expression,
-    trial: Expression,
-    compared: GroupAdvantage,
-) -> Expression:
-    """Return whether the train has less adhesion in deep slip than on the slope before it."""
-    loads = [each.group.brake["load"] for each in train]
-    pairs = list(zip([each.valid for each in train], compared.logarithms, strict=True))
-    present, is_deep, period = weighted_mean(pairs, loads), deep > 0.5, t["period"]
-
-    def mean(name: str, counts: Expression, begins: Expression) -> tuple[Expression, Expression]:
-        """Return the mean since it began, over the last `level_time` at most, and for how long it has been formed."""
-        before = draft.state(f"level_{name}", "1", f"mean of ln(adhesion) of the train {name}")
-        since = draft.state(f"time_{name}", "s", "for how long that has been formed")
-        last = choose(begins, 0.0, since)
-        time = choose(counts, last + period, last)
-        share = choose(counts, period / ca.fmax(ca.fmin(time, t["level_time"]), period), 0.0)
-        now = before + share * (present - before)
-        draft.keep(before, now)
-        draft.keep(since, time)
-        return now, time
-
-    on_slope = every(ca.logic_not(is_deep), trial < 0.5, either(0.0, *compared.limited))
-    slope, _ = mean("on_slope", on_slope, 0.0)
-    level, time = mean("in_deep_slip", is_deep, ca.logic_not(is_deep))
-    return every(is_deep, time >= t["level_time"], level < slope - t["level_loss"])
 
 
 def _slips(draft: FormulaBuilder, train: Sequence[Wheels], t: Symbols, dive_now: Sequence[Expression]) -> list[Target]:
