@@ -2,6 +2,9 @@
 
 import json
 import re
+import shutil
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -29,6 +32,10 @@ def test_the_image_copies_all_sources_of_the_package():
     }
     ignored = (ROOT / ".dockerignore").read_text(encoding="utf-8").splitlines()
     assert not copied & set(ignored)
+
+
+def test_the_image_does_not_run_as_root():
+    assert [words for words in instructions() if words[0] == "USER"][-1] == ["USER", "1000"]
 
 
 def test_the_development_container_uses_that_image_and_a_target_of_make():
@@ -69,3 +76,48 @@ def test_ci_compares_with_openmodelica_as_before_every_landing():
     for text in (job, script, " ".join(word for words in instructions() for word in words)):
         joined = text.replace("\\\n", " ")
         assert all(re.search(rf"install .*\b{one}\b", joined) for one in ("cmake", "make", "zip", "gcc", "libc6-dev"))
+
+
+PROGRAMS = {"omc", "gcc", "cmake", "zip"}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a script of bash")
+@pytest.mark.parametrize(
+    ("place", "missing", "installs", "calls"),
+    [
+        (None, {"omc"}, True, ["make test", "make test-all"]),
+        ("bin", set(), True, ["make test", "make test-all", "make regress-omc", "make test-omc"]),
+        ("shared/omc/bin", set(), True, ["make test", "make test-all", "make regress-omc", "make test-omc"]),
+        ("bin", {"zip", "cmake"}, True, ["make test", "make test-all", "apt-get", "make regress-omc", "make test-omc"]),
+        ("bin", {"zip"}, False, ["make test", "make test-all", "apt-get"]),
+    ],
+    ids=["no omc", "on the path", "next to the clone", "packages are missing", "packages cannot be installed"],
+)
+def test_ci_runs_openmodelica_where_it_is(tmp_path, place, missing, installs, calls):
+    """Its programs are installed if they are missing; without omc, a line says what was left out."""
+    for folder in ("bin", "clone/.ci", "shared/omc/bin"):
+        (tmp_path / folder).mkdir(parents=True)
+    log = tmp_path / "log"
+
+    def program(name: str, *lines: str) -> None:
+        file = tmp_path / (place if name == "omc" and place else "bin") / name
+        file.write_text("\n".join(["#!/bin/sh", *lines, ""]))
+        file.chmod(0o755)
+
+    for name in PROGRAMS - missing:
+        program(name)
+    program("make", f'echo "make $1" >> {log}')
+    program("id", "echo 0")
+    install = [f"cp {tmp_path}/bin/gcc {tmp_path}/bin/{name}" for name in sorted(missing)]
+    program(
+        "apt-get", 'test "$1" = install || exit 0', f"echo apt-get >> {log}", *(install if installs else ["exit 100"])
+    )
+    for name in ("dirname", "cp", "sh"):
+        (tmp_path / "bin" / name).symlink_to(str(shutil.which(name)))
+    script = shutil.copy(ROOT / ".ci/run", tmp_path / "clone/.ci/run")
+    ran = subprocess.run(
+        [str(shutil.which("bash")), script], env={"PATH": str(tmp_path / "bin")}, capture_output=True, text=True
+    )
+    assert (ran.returncode, log.read_text().splitlines()) == (0, calls), ran.stderr
+    assert ("were left out" in ran.stdout) == ("make test-omc" not in calls)
+    assert all(name in ran.stderr for name in missing - {"omc"} if not installs)
