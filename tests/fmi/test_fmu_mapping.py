@@ -72,26 +72,13 @@ def test_booleans_and_integers_are_passed_as_numbers(foundry: Path):
     np.testing.assert_allclose(outputs, [3, 2 * x + 1, 1, x], rtol=1e-14)
 
 
-def test_the_layout_gives_the_index_of_each_signal(tmp_path: Path, foundry: Path):
+def test_elements_have_the_variables_and_scales_of_a_list(foundry: Path):
     text = xml().replace('name="x"', 'name="bogie[1].n"').replace('name="y"', 'name="bogie[2].n"')
-    description = describe(tiny(foundry, description=text))
-    binding = bind(
-        description,
-        inputs=[signal("mode"), signal("command")],
-        outputs=[signal("flag"), signal("wheel", size=2)],
-        table={"command": "u", "wheel": "bogie[{i}].n"},
-    )
-    assert binding.outputs.elements == ("flag", "wheel[1]", "wheel[2]")
-    assert binding.outputs.layout == {"flag": slice(0, 1), "wheel": slice(1, 3)}
-    assert binding.inputs.layout == {"mode": slice(0, 1), "command": slice(1, 2)}
-    listing = bind(
-        description,
-        inputs=[],
-        outputs=[signal("wheel", size=2)],
-        table={"wheel": ["bogie[2].n", {"variable": "bogie[1].n", "scale": 3}]},
-    )
-    assert listing.outputs.channels[0].variables == ("bogie[2].n", "bogie[1].n")
-    np.testing.assert_array_equal(listing.outputs.channels[0].gain, [1, 3])
+    table = {"wheel": ["bogie[2].n", {"variable": "bogie[1].n", "scale": 3}]}
+    bound = bind(describe(tiny(foundry, description=text)), inputs=[], outputs=[signal("wheel", size=2)], table=table)
+    assert bound.outputs.elements == ("wheel[1]", "wheel[2]")
+    assert bound.outputs.channels[0].variables == ("bogie[2].n", "bogie[1].n")
+    np.testing.assert_array_equal(bound.outputs.channels[0].gain, [1, 3])
 
 
 def test_undriven_inputs_are_reported(foreign: Description):

@@ -55,15 +55,6 @@ def law(energy, mu0, slip_speed, clean=CLEAN):
     return (laid + (1 - np.exp(-clean.rate * energy)) * gained) / falling(LAID)
 
 
-def test_each_wheelset_starts_with_the_gain_of_those_ahead():
-    """Constant force and slip: behind n wheelsets, and with its own contribution, a wheel has n + 1 times F s."""
-    track = rolled(rail(), 60.0)
-    each = 0.5 * 0.05 * LOAD * 0.1  # F s of a wheel, 250 J/m
-    expected = [law((ahead + 1) * each, 0.05, slip_speed=2.0) for ahead in range(6)]
-    assert track.mu0 == pytest.approx(expected, rel=1e-9)
-    assert np.all(np.diff(track.mu0) > 0)
-
-
 def test_the_product_of_shares_is_the_sum_of_energies():
     """The factors 1 − λ of successive wheels multiply, whatever the slip of each."""
     track = rail()

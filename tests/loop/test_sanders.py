@@ -44,12 +44,6 @@ def behind(density, first):
     return np.array([density * SAND["left"] ** (w - first) if w >= first else 0.0 for w in range(6)])
 
 
-def test_each_wheelset_behind_a_sander_gets_a_smaller_share():
-    density = behind(2 * KG_PER_MIN / SPEED, first=2)
-    assert rolled(rail(FIXED), 100.0).mu0 == pytest.approx(law(density), rel=1e-12)
-    assert density[2] == pytest.approx(1.667e-3, rel=1e-3)  # 1.7 g/m at 72 km/h
-
-
 def test_sand_of_two_sanders_adds_up():
     density = behind(2 * KG_PER_MIN / SPEED, first=2) + behind(2 * KG_PER_MIN / SPEED, first=4)
     track = rolled(rail(FIXED, Sander(wheelset=5, rate=2 * KG_PER_MIN, delay=0.0)), 100.0)
