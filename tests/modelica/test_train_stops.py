@@ -133,14 +133,6 @@ def test_a_braked_train_stays_at_rest_until_the_slope_is_stronger(train: Train) 
     assert stop["speed"][-1] > 0.05
 
 
-def test_the_communication_step_hardly_changes_the_distance(train: Train) -> None:
-    """Commands are constant: halving the step must not change the distance by more than 0.05 %."""
-    constant = lambda _: FULL
-    coarse = brake(train, 80, 0.10, WET, pressure=constant)
-    fine = brake(train, 80, 0.10, WET, pressure=constant, step=1e-3, keep=10)
-    assert coarse["distance"][-1] == pytest.approx(fine["distance"][-1], rel=5e-4)
-
-
 def test_slip_regularisation_hardly_changes_the_distance(train: Train) -> None:
     """Doubling v_small from 0.1 m/s changes a stop of 265 m by less than 1 mm."""
     once = emergency_stop(train, 85)
