@@ -103,7 +103,12 @@ class StopAssembly:
         """Return the stop of a run of the loop."""
         # A plant that fails to start leaves one row, which must not show the old contents of the memory.
         self.recorder.rows[self.recorder.written : 1] = np.nan
-        stop = evaluate_stop(self.vehicle, self.recorder, ending, self.fmus)
+        stop, remarks = evaluate_stop(self.vehicle, self.recorder, ending, self.fmus), self.remarks
+        if stop.outcome is Outcome.STANDSTILL:
+            # A stop that ended early has not reached all parts of its scenario.
+            scenario, metrics = self.vehicle.scenario, stop.metrics
+            late = remarks_after(scenario, metrics.duration, metrics.distance_travelled)
+            remarks = [*remarks, *late, *remarks_on_use(scenario, metrics)]
         controller = self.parts.controller
         stepped = (self.parts.plant, controller.fmu if isinstance(controller, ForeignController) else None)
         return replace(
@@ -111,19 +116,11 @@ class StopAssembly:
             classes=self.classes,
             reason=stop.reason + self.limits.sentence(-(-ending.samples // self.parts.clock.controller)),
             limited_demands=self.limits.limited,
-            remarks=self.remarks_on(stop),
+            remarks=tuple(remarks),
             fmu_warnings={
                 part.file: part.warnings for part in stepped if isinstance(part, SteppedPlant) and part.warnings
             },
         )
-
-    def remarks_on(self, stop: Stop) -> tuple[str, ...]:
-        """Return the remarks on the scenario, and those on parts of it that a complete stop did not reach."""
-        if stop.outcome is not Outcome.STANDSTILL:
-            return tuple(self.remarks)
-        scenario, metrics = self.vehicle.scenario, stop.metrics
-        late = remarks_after(scenario, metrics.duration, metrics.distance_travelled)
-        return *self.remarks, *late, *remarks_on_use(scenario, metrics)
 
 
 @contextmanager

@@ -40,8 +40,7 @@ def compiled_contact(model: Model, parameters: dict[str, float], shape: dict[str
         shape: Parameters of the creep curve, used where `curve` is not given.
     """
     of_all = np.array([[value] for value in shape.values()])
-    run, of_geometry, geometry = _library(model, tuple(shape))
-    fixed = _geometry_terms(model, parameters, of_geometry, geometry)
+    run, fixed = _library(model, tuple(shape)), _geometry_terms(model, parameters, tuple(shape))
 
     def adhesion(slip: Array, speed: Array, load: Array, mu0: Array, curve: Array | None = None) -> Array:
         points = [np.ascontiguousarray(each, dtype=np.float64) for each in np.broadcast_arrays(slip, speed, load, mu0)]
@@ -58,15 +57,14 @@ def compiled_contact(model: Model, parameters: dict[str, float], shape: dict[str
 
 def contact_header(model: Model, parameters: dict[str, float], shape: dict[str, float]) -> str:
     """Return C code: `contact` of (point, contact_curve, contact_fixed), and these tables; see `compiled_contact`."""
-    header, of_geometry, geometry = _contact_in_c(model, tuple(shape))
-    fixed = _geometry_terms(model, parameters, of_geometry, geometry).ravel().tolist()
-    tables = {"contact_curve": [*shape.values()], "contact_fixed": fixed}
+    header, *_ = _contact_in_c(model, tuple(shape))
+    fixed = _geometry_terms(model, parameters, tuple(shape))
+    tables = {"contact_curve": [*shape.values()], "contact_fixed": fixed.ravel().tolist()}
     return "\n".join([header, *(table("double", name, values) for name, values in tables.items())])
 
 
-def _geometry_terms(
-    model: Model, parameters: dict[str, float], of_geometry: ca.Function, geometry: tuple[str, ...]
-) -> Array:
+def _geometry_terms(model: Model, parameters: dict[str, float], shape: tuple[str, ...]) -> Array:
+    _, of_geometry, geometry = _contact_in_c(model, shape)
     values = {variable.name: variable.start for variable in model.parameters} | parameters
     return np.array(of_geometry([values[name] for name in geometry]), dtype=np.float64)
 
@@ -94,14 +92,13 @@ def _contact_in_c(model: Model, shape: tuple[str, ...]) -> tuple[str, ca.Functio
 
 
 @cache
-def _library(model: Model, shape: tuple[str, ...]) -> tuple[Callable[..., None], ca.Function, tuple[str, ...]]:
-    """Return the compiled contact; the other results are those of `_contact_in_c`."""
-    header, of_geometry, geometry = _contact_in_c(model, shape)
+def _library(model: Model, shape: tuple[str, ...]) -> Callable[..., None]:
+    header, *_ = _contact_in_c(model, shape)
     sources = {"contact.h": header, "contact.c": KERNEL.read_text(encoding="utf-8")}
     run = ctypes.CDLL(str(shared_library(sources, "contact"))).contact_at
     pointer = ctypes.c_void_p
     run.argtypes, run.restype = [ctypes.c_size_t, *[pointer] * 5, ctypes.c_size_t, pointer, pointer], None
-    return run, of_geometry, geometry
+    return run
 
 
 SLIPS_OF_TWO_MAXIMA = np.geomspace(1e-4, 1.0, 65)
