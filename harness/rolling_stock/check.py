@@ -65,8 +65,9 @@ def checked_train(path: Path) -> Train:
 
 def findings(train: Train) -> list[TrainRemark]:
     """Return all inconsistent or unusual values, errors first."""
+    once = train.model_copy(update={"cars": train.entries})  # equal cars are one entry, as in the file
     results = [
-        *(TrainRemark(key, words, wrong=False) for key, words in unusual(_once(train))),
+        *(TrainRemark(key, words, wrong=False) for key, words in unusual(once)),
         *_masses(train),
         *_resistance(train),
         *_places(train),
@@ -80,11 +81,6 @@ def findings(train: Train) -> list[TrainRemark]:
     if not any(finding.wrong for finding in results):
         results += _stops(train)
     return sorted(results, key=lambda result: not result.wrong)
-
-
-def _once(train: Train) -> Train:
-    """Return the tables of a train as in its file, where equal cars are one entry."""
-    return train.model_copy(update={"cars": train.entries})
 
 
 def fastest_stop(train: Train) -> float:

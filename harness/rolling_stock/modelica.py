@@ -250,7 +250,8 @@ def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
 
 
 def _pipe(train: Train, pipe: BrakePipe, body_of_car: Sequence[int]) -> dict[str, Any]:
-    available = [max(_pressures(train, number)) for number in range(len(train.cars))]
+    pressures = gather((axle.car, train.bogies_in_train[axle.bogie].brake.pressure_max) for axle in train.axles)
+    available = [max(pressures[number]) for number in range(len(train.cars))]
     stages, distributors, filling = train.stages_of_car, train.distributor_of_car, train.filling_of_car
     single, two_stage = ([i for i, of_car in enumerate(stages) if (of_car is None) == plain] for plain in (True, False))
     # A car without times of its own has those of [command], and the default release.
@@ -300,10 +301,6 @@ def _sharing(groups_per_valve: Sequence[int]) -> list[range]:
     last = list(accumulate(groups_per_valve))
     valves = zip(last, groups_per_valve, strict=True)
     return [range(end - count + 1, end + 1) for end, count in valves for _ in range(count)]
-
-
-def _pressures(train: Train, car: int) -> list[float]:
-    return [train.bogies_in_train[axle.bogie].brake.pressure_max for axle in train.axles if axle.car == car]
 
 
 def _lowest(signal: str, groups: range) -> str:

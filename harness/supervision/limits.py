@@ -242,10 +242,9 @@ def _permitted_foot(case: BrakingCase, curve: BrakingCurve, target: Target, time
 
 def trip_location(case: BrakingCase) -> float:
     """Return d_tripEOA of level 2: the EoA and the largest confidence interval expected there [m] (§3.13.9.4.8.2)."""
-    eoa, balise = case.line.one("EoA"), case.line.balise
-    assert eoa is not None  # a line with a calculated release speed has both
-    assert balise is not None
-    return eoa.at + 2 * case.national.Q_NVLOCACC + 10.0 + 0.1 * (eoa.at - balise)
+    eoa, balise = case.line.only("EoA").at, case.line.balise
+    assert balise is not None  # a line with a calculated release speed has it
+    return eoa + 2 * case.national.Q_NVLOCACC + 10.0 + 0.1 * (eoa - balise)
 
 
 def release_speed(case: BrakingCase) -> float | None:
@@ -262,18 +261,15 @@ def release_speed(case: BrakingCase) -> float | None:
             speed = case.national.V_NVREL
         case "calculated":
             speed = _calculated_release(case)
-    eoa = case.line.one("EoA")
-    assert eoa is not None  # a line with a release speed has one
     # §3.13.9.4.9: no permitted speed on the way to the trip location is exceeded.
-    end = eoa.at if case.line.balise is None else trip_location(case)
+    end = case.line.only("EoA").at if case.line.balise is None else trip_location(case)
     before = [target.speed for target in case.line.target if target.kind == "MRSP" and target.at <= end]
     return min(speed or 0.0, case.ceiling, *before) or None
 
 
 def _release_targets(case: BrakingCase) -> list[Target]:
     """Return the SvL and, for a calculated release speed, the targets between trip location and SvL (§3.13.9.4.6)."""
-    svl = case.line.one("SvL")
-    assert svl is not None  # a line with a release speed has one
+    svl = case.line.only("SvL")
     if case.line.release != "calculated":
         return [svl]
     trip = trip_location(case)
@@ -300,8 +296,6 @@ def _calculated_release(case: BrakingCase) -> float:
 
 def release_start(case: BrakingCase, speed: float) -> float:
     """Return the start of release speed monitoring: the first SBI for a release speed [m] (§3.13.9.4.6, .7)."""
-    eoa = case.line.one("EoA")
-    assert eoa is not None  # a line with a release speed has one
-    starts = [limits_of(case, eoa, speed)["SBI1"]]
+    starts = [limits_of(case, case.line.only("EoA"), speed)["SBI1"]]
     starts += [limits_of(case, target, speed)["SBI2"] for target in _release_targets(case)]
     return float(min(starts))

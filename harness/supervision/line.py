@@ -97,6 +97,10 @@ class Line(Table):
                 )
         return self
 
+    def only(self, kind: str) -> Target:
+        """Return the target of kind EoA or SvL of a line with a release speed, which has one of each."""
+        return next(target for target in self.target if target.kind == kind)
+
     def one(self, kind: str) -> Target | None:
         """Return the target of a kind that occurs once; None without it."""
         return next((target for target in self.target if target.kind == kind), None)

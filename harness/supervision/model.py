@@ -120,7 +120,7 @@ class BrakingModel:
         k_wet: K_wet_rst(V); None with the conversion model.
         service: A_brake_service(V) [m/s2].
         normal_service: A_brake_normal_service(V) [m/s2], if the train has it.
-        kn: Kn+(V) and Kn-(V) [m/s2].
+        kn: Kn+(V) and Kn-(V) [m/s2]; 0 unless given.
         emergency_times: T_brake_emergency for target speeds of zero and above [s].
         service_times: T_brake_service likewise [s].
         cut_off_time: T_traction_cut_off [s].
@@ -138,13 +138,13 @@ class BrakingModel:
     k_dry: Steps | None
     k_wet: Steps | None
     service: Steps
-    normal_service: Steps | None
-    kn: tuple[Steps, Steps]
+    normal_service: Steps | None = None
+    kn: tuple[Steps, Steps] = (Steps.constant(0.0), Steps.constant(0.0))
     emergency_times: tuple[float, float]
     service_times: tuple[float, float]
     cut_off_time: float
-    cuts_off: bool
-    has_service_brake: bool
+    cuts_off: bool = True
+    has_service_brake: bool = True
     without_adhesion: bool
     rotating: float | None
 

@@ -112,13 +112,9 @@ def model_of_train(
         k_dry=Steps.of(k_dry),
         k_wet=Steps.constant(data.etcs.k_wet),
         service=Steps.of(list(zip(starts, brake.service_decelerations().tolist(), strict=True))),
-        normal_service=None,
-        kn=(Steps.constant(0.0), Steps.constant(0.0)),
         emergency_times=(emergency_time, emergency_time),
         service_times=(service_time, service_time),
         cut_off_time=data.etcs.traction_cut_off_time,
-        cuts_off=True,
-        has_service_brake=True,
         without_adhesion=data.etcs.brakes_without_adhesion,
         rotating=100 * by_hand(train, fastest).rotating_mass / train.mass,
     )
