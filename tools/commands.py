@@ -302,14 +302,11 @@ def fmus(
     Each FMU runs in a separate process. The file gives the reason for each that does not step.
     """
     with progress("survey", "stepping FMUs"):
-        rows = [*survey(folder)]
-    if not rows:
+        rows = survey(folder)
+    if rows.empty:
         raise InputError(f"{folder}: contains no file *.fmu, not even in subfolders.")
     out.parent.mkdir(parents=True, exist_ok=True)
-    lines = ("file", "tool", "FMI", "reason", "sentence")
-    ReportTable.of(lines, [(str(r.file), r.tool, r.interface, r.reason, r.sentence) for r in rows], left=5).write_csv(
-        out
-    )
+    ReportTable.of_frame(rows).write_csv(out)
     table = survey_table(rows)
     show_table(table)
     if write:

@@ -2,15 +2,15 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Iterator
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from typing import Final
 from zipfile import BadZipFile
 
 import numpy as np
+import pandas
 
 from railgrip.base.errors import Failure, FmuError, PlantFailed
 from railgrip.base.limits import FmuLimits
@@ -18,6 +18,7 @@ from railgrip.fmi.archive import outline
 from railgrip.fmi.description import PLATFORMS, Description, describe
 from railgrip.fmi.isolation import IsolatedCoSimulation
 from railgrip.fmi.mapping import Binding, side_of
+from railgrip.report.frame import Frame
 from railgrip.report.table import ReportTable
 
 STEPS: Final = 20
@@ -36,43 +37,30 @@ _REFUSALS: Final = {
 _AFTER_NAME: Final = re.compile(r"\s*(?:Version|\(|:|,|\s-\s|\bv?\d+\.\d|(?<=[a-z])\d)")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SurveyResult:
-    """Result for one interface of an FMU.
+def survey(folder: Path) -> Frame:
+    """Open each FMU of a folder without setting parameters, step it by each of its interfaces and return the results.
 
-    Attributes:
-        file: Path relative to the folder.
-        tool: Tool that made it, without version.
-        interface: FMI version, with CS or ME if it was run.
-        reason: Reason why it did not step, in a few words; '' on success.
-        sentence: The same as the message for a user.
+    Returns:
+        A row for each interface: `file`, relative to the folder; the `tool` that made it, without version; version of
+        `FMI`, with CS or ME if it was run; `reason` why it did not step, in a few words, '' on success, and `sentence`,
+        the same as the message for a user.
     """
-
-    file: Path
-    tool: str
-    interface: str
-    reason: str
-    sentence: str
+    files = sorted(folder.rglob("*.fmu"))
+    rows = [(str(file.relative_to(folder)), *row) for file in files for row in _survey_file(file)]
+    return pandas.DataFrame(rows, columns=["file", "tool", "FMI", "reason", "sentence"])
 
 
-def survey(folder: Path) -> Iterator[SurveyResult]:
-    """Open each FMU of a folder without setting parameters, step it by each of its interfaces and yield the results."""
-    for file in sorted(folder.rglob("*.fmu")):
-        yield from _survey_file(file, file.relative_to(folder))
-
-
-def _survey_file(file: Path, name: Path) -> Iterator[SurveyResult]:
+def _survey_file(file: Path) -> Iterator[tuple[str, str, str, str]]:
     tool, version, step = "unknown", "", ""
     try:
         first = outline(file, _LIMITS)
         tool, version, step = _tool(first.tool), first.version or "", first.step
     except (FmuError, BadZipFile, OSError, KeyError, ValueError, RuntimeError):
         pass  # `describe` reports it
-    result = partial(SurveyResult, file=name, tool=tool)
     try:
         description = describe(file, _LIMITS)
     except FmuError as error:
-        yield result(interface=version, reason=_reason(error), sentence=_without(file, error))
+        yield tool, version, _reason(error), _without(file, error)
         return
     ways = {"CS": replace(description, model_exchange=None), "ME": replace(description, co_simulation=None)}
     for way, interface in ways.items():
@@ -86,7 +74,7 @@ def _survey_file(file: Path, name: Path) -> Iterator[SurveyResult]:
         except PlantFailed as failed:
             reason = failed.failure.reason.replace("_", " ") if isinstance(failed.failure, Failure) else "other"
             sentence = str(failed)
-        yield result(interface=f"{description.fmi}.0 {way}", reason=reason, sentence=sentence)
+        yield tool, f"{description.fmi}.0 {way}", reason, sentence
 
 
 def _reason(error: FmuError) -> str:
@@ -118,18 +106,14 @@ def _without(file: Path, error: FmuError) -> str:
     return str(error).replace(f"{file}: ", "")
 
 
-def survey_table(rows: Sequence[SurveyResult]) -> ReportTable:
+def survey_table(rows: Frame) -> ReportTable:
     """Return the numbers of FMUs that step, and that do not by reason, for each tool and interface."""
-    kinds = dict.fromkeys(sorted((row.tool.lower(), row.tool, row.interface) for row in rows))
     lines: list[tuple[str, str, int, int, str]] = []
-    for _, tool, interface in kinds:
-        group = [row for row in rows if (row.tool, row.interface) == (tool, interface)]
-        reasons = Counter(row.reason for row in group if row.reason)
+    for (_, tool, interface), group in rows.assign(order=rows["tool"].str.lower()).groupby(["order", "tool", "FMI"]):
+        reasons = Counter(filter(None, group["reason"]))
         why = "; ".join(f"{count} {reason}" for reason, count in reasons.most_common())
         lines.append((tool, interface, len(group), len(group) - reasons.total(), why))
-    stepping = {row.file for row in rows if not row.reason}
-    lines.append(("all, each counted once", "", len({row.file for row in rows}), len(stepping), ""))
-    return replace(
-        ReportTable.of(("tool", "FMI", "FMUs", "step", "refused or failed, why"), lines, left=2),
-        left=("tool", "FMI", "refused or failed, why"),
-    )
+    stepping = rows["file"][rows["reason"] == ""]
+    lines.append(("all, each counted once", "", rows["file"].nunique(), stepping.nunique(), ""))
+    columns = ("tool", "FMI", "FMUs", "step", "refused or failed, why")
+    return replace(ReportTable.of(columns, lines), left=("tool", "FMI", "refused or failed, why"))
