@@ -339,14 +339,13 @@ def _without_lag(draft: FormulaBuilder, group: GroupObservation, t: Symbols) -> 
     return group.adhesion + t["pressure_lag"] * rate / (brake["load"] * brake["wheel_radius"])
 
 
-def _slope(
-    draft: FormulaBuilder,
-    train: Sequence[Wheels],
-    signs: Sequence[float],
-    t: Symbols,
-    rolling: Expression,
-) -> tuple[Expression, Expression, Expression]:
+def slope_targets(draft: FormulaBuilder, train: Sequence[Wheels], t: Symbols) -> list[Target]:
+    """Return the slip that each group seeks on the slope of adhesion; groups that do not slide do not count."""
+    period, speed = t["period"], train[0].group.speed
+    rolling = either(every(*(ca.logic_not(each.sliding) for each in train)), speed < t["speed_min"])
+    signs = [1.0 if g % 2 == 0 else -1.0 for g in range(len(train))]
     loads = [each.group.brake["load"] for each in train]
+    forces = [load * each.adhesion for load, each in zip(loads, train, strict=True)]
 
     def mean(part: Sequence[int], values: Sequence[Expression], weights: Sequence[Expression]) -> Expression:
         return weighted_mean([(train[g].sliding, values[g]) for g in part], [weights[g] for g in part])
@@ -354,29 +353,19 @@ def _slope(
     def changes(part: Sequence[int]) -> Expression:
         adhesion = mean(part, [each.adhesion for each in train], loads)
         change = mean(part, [each.adhesion_change for each in train], loads)
-        forces = [load * each.adhesion for load, each in zip(loads, train, strict=True)]
         slip_change = mean(part, [each.slip_change for each in train], forces)
         return ca.vertcat(slip_change, change / ca.fmax(adhesion, 1e-3))
 
     parts = [[g for g, other in enumerate(signs) if other == sign] for sign in dict.fromkeys(signs)]
     comparable = every(*(either(*(train[g].sliding for g in part)) for part in parts))
-    each = [changes(part) for part in parts]
-    x, y = ca.vertsplit(each[0] if len(each) == 1 else 0.5 * (each[0] - each[1]))
+    sides = [changes(part) for part in parts]
+    x, y = ca.vertsplit(sides[0] if len(sides) == 1 else 0.5 * (sides[0] - sides[1]))
     compared = choose(comparable, x, 0.0), choose(comparable, y, 0.0)
     elasticity, variance, excitation = _regression(draft, t, compared, rolling)
     spread = t["elasticity_spread"] ** 2
     weight = spread / (spread + variance)
     draft.show("elasticity", "1", "of adhesion over slip, as estimated", elasticity)
     draft.show("belief", "1", "how far that is believed: 0 not at all, 1 wholly", weight * excitation)
-    return elasticity, weight, excitation
-
-
-def slope_targets(draft: FormulaBuilder, train: Sequence[Wheels], t: Symbols) -> list[Target]:
-    """Return the slip that each group seeks on the slope of adhesion; groups that do not slide do not count."""
-    period, speed = t["period"], train[0].group.speed
-    rolling = either(every(*(ca.logic_not(each.sliding) for each in train)), speed < t["speed_min"])
-    signs = [1.0 if g % 2 == 0 else -1.0 for g in range(len(train))]
-    elasticity, weight, excitation = _slope(draft, train, signs, t, rolling)
 
     # In ln s, so that steps are relative to the slip: peaks are anywhere between half a per cent and twenty.
     usual = ca.log(ca.fmin(t["slip_usual"] + t["creep_usual"] / speed, t["slip_most"]))
@@ -388,7 +377,6 @@ def slope_targets(draft: FormulaBuilder, train: Sequence[Wheels], t: Symbols) ->
     expected += weight * (1.0 - excitation) * t["pull"] * ca.fmax(usual - last, 0.0)
     moved = last + within(t["climb_rate"] * expected, -t["fall_rate"], t["rise_rate"]) * period
     least = t["slip_small"] + t["creep_small"] / speed
-    forces = [each.group.brake["load"] * each.adhesion for each in train]
     present = weighted_mean([(each.sliding, ca.log(ca.fmax(each.filtered, least))) for each in train], forces)
     near = within(moved, present - _LEASH, present + _LEASH_UP)
     set_point = choose(rolling, last, within(near, ca.log(least), ca.log(t["slip_most"]) - t["dither"]))
