@@ -55,21 +55,6 @@ _UNKNOWN = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TrainCase:
-    """A train of the fleet.
-
-    Attributes:
-        seed: Seed of its life.
-        stops: Number of stops.
-        releases: Releases in every stop.
-    """
-
-    seed: int
-    stops: int
-    releases: Releases
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class TrainStops:
     """Simulated stops of a train.
 
@@ -86,12 +71,17 @@ class TrainStops:
     radii: Vector
 
 
-def train_stops(case: TrainCase) -> TrainStops:
-    """Simulate the stops of a train and estimate from each."""
-    radii = RADIUS_DEVIATION * generator(case.seed, "fleet.radii").standard_normal(formation().groups)
+def train_stops(case: tuple[int, int, Releases]) -> TrainStops:
+    """Simulate the stops of a train of the fleet, and estimate from each.
+
+    Args:
+        case: Seed of its life, number of stops, and releases in every stop.
+    """
+    seed, count, releases = case
+    radii = RADIUS_DEVIATION * generator(seed, "fleet.radii").standard_normal(formation().groups)
     # The wear of a life of 200 stops; only the first stops are simulated.
-    life = Life(stops=200, seed=case.seed, releases=case.releases, radii=tuple((1.0 + radii).tolist()))
-    stops = list(live(life, range(case.stops)))
+    life = Life(stops=200, seed=seed, releases=releases, radii=tuple((1.0 + radii).tolist()))
+    stops = list(live(life, range(count)))
     return TrainStops(
         estimates=tuple(stop_estimate(recording, temperature) for recording, temperature in stops),
         distances=tuple(float(truth_of(recording, "speed").sum() * period_of(recording)) for recording, _ in stops),
@@ -262,7 +252,7 @@ def simulate(releases: str, trains: int, stops: int) -> Sequence[TrainStops]:
     of_train = DESIGNS[releases]()
     seeds = range(FIRST_SEED, FIRST_SEED + trains)
     with work(Path(__file__)) as job:
-        return job.map(train_stops, [TrainCase(seed=seed, stops=stops, releases=of_train) for seed in seeds])
+        return job.map(train_stops, [(seed, stops, of_train) for seed in seeds])
 
 
 def deviation_alone(trains: Sequence[TrainStops], stops: int) -> Vector:
