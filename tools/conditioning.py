@@ -7,7 +7,7 @@ OpenModelica is on the PATH, its FMUs are repeated, and their distances are adde
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
@@ -24,23 +24,9 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle_table import ModelicaPlant, Nudge
 from railgrip.simulate.run import braking_distance
 
-
-@dataclass(frozen=True, slots=True)
-class Repeats:
-    """The repeats of one stop.
-
-    Attributes:
-        perturbed: Stops with perturbed parameters of the plant.
-        lots: Stops with lots 1, 2, … of the sensors; empty if sensors have no errors.
-    """
-
-    perturbed: list[PlannedStop]
-    lots: list[PlannedStop]
-
-    @property
-    def stops(self) -> list[PlannedStop]:
-        """All repeats."""
-        return [*self.perturbed, *self.lots]
+Repeats = tuple[list[PlannedStop], list[PlannedStop]]
+"""The repeats of a stop: with perturbed parameters of the plant, and with lots 1, 2, … of the sensors, none if sensors
+have no errors."""
 
 
 def repeats_of(stop: PlannedStop, *, count: int, lots: int, relative: float) -> Repeats:
@@ -54,14 +40,12 @@ def repeats_of(stop: PlannedStop, *, count: int, lots: int, relative: float) -> 
     """
     nudges = [Nudge(relative=relative, seed=seed) for seed in range(1, count + 1)]
     sensors = stop.scenario.sensors
-    return Repeats(
-        perturbed=[_with_vehicle(stop, str(nudge.seed), nudge=nudge) for nudge in nudges],
-        lots=[
-            _repeat(stop, f"lot-{seed}", sensors=sensors.model_copy(update={"seed": seed}))
-            for seed in range(1, lots + 1)
-            if isinstance(sensors, SampledSensors)
-        ],
-    )
+    perturbed = [_with_vehicle(stop, str(nudge.seed), nudge=nudge) for nudge in nudges]
+    return perturbed, [
+        _repeat(stop, f"lot-{seed}", sensors=sensors.model_copy(update={"seed": seed}))
+        for seed in range(1, lots + 1)
+        if isinstance(sensors, SampledSensors)
+    ]
 
 
 def campaign_of(campaign: Campaign, repeats: dict[str, Repeats]) -> Campaign:
@@ -69,7 +53,7 @@ def campaign_of(campaign: Campaign, repeats: dict[str, Repeats]) -> Campaign:
     return replace(
         campaign,
         name=f"{campaign.name}-conditioning",
-        stops=tuple(stop for each in repeats.values() for stop in each.stops),
+        stops=tuple(stop for kinds in repeats.values() for kind in kinds for stop in kind),
         references=(),
         panels="none",
         conditioning=None,
@@ -86,13 +70,12 @@ def conditioning_of(
     """
     stops: dict[str, RepeatedDistances] = {}
     for stop in campaign.stops:
-        repeated = repeats[stop.name]
-        perturbed = [read_stop(directory / one.name) for one in repeated.perturbed]
+        perturbed, lots = ([read_stop(directory / one.name) for one in kind] for kind in repeats[stop.name])
         figures = [one.metrics.compared() for one in perturbed]
         stops[stop.name] = RepeatedDistances(
             digest=stop.scenario.digest(),
             distances=tuple(sorted(_rounded(one.braking_distance) for one in perturbed)),
-            lots=tuple(_rounded(read_stop(directory / lot.name).braking_distance) for lot in repeated.lots),
+            lots=tuple(_rounded(one.braking_distance) for one in lots),
             figures={
                 name: tuple(each[name] for each in figures)
                 for name in figures[0]

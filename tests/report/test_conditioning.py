@@ -64,8 +64,8 @@ def test_the_stops_of_a_campaign_are_repeated_and_printed_next_to_their_distance
     (stop,) = campaign.stops
     repeats = {stop.name: repeats_of(stop, count=3, lots=4, relative=1e-7)}
     again = campaign_of(campaign, repeats)
-    nudges = [one.scenario.vehicle.nudge for one in repeats[stop.name].perturbed]
-    assert repeats[stop.name].lots == []  # ideal sensors have no errors
+    nudges = [one.scenario.vehicle.nudge for one in repeats[stop.name][0]]
+    assert repeats[stop.name][1] == []  # ideal sensors have no errors
     assert [(nudge.seed, nudge.relative) for nudge in nudges] == [(1, 1e-7), (2, 1e-7), (3, 1e-7)]
     assert not any(one.keep_trace for one in again.stops)
     for number, one in enumerate(again.stops):
@@ -83,15 +83,14 @@ def test_the_stops_of_a_campaign_are_repeated_and_printed_next_to_their_distance
 def test_a_stop_with_erroneous_sensors_is_repeated_with_other_lots_on_the_same_rail(tmp_path, write_campaign):
     campaign = write_campaign(tmp_path, lambda stop: stop.name == "trapezoid-service-slope_seeking")
     (stop,) = campaign.stops
-    repeats = repeats_of(stop, count=1, lots=2, relative=1e-7)
-    assert [lot.scenario.sensors.seed for lot in repeats.lots] == [1, 2]
-    assert [lot.scenario.seed for lot in repeats.lots] == [stop.scenario.seed] * 2
-    assert len({lot.name for lot in repeats.stops}) == 3
-    for number, one in enumerate(repeats.stops):
+    repeats = perturbed, lots = repeats_of(stop, count=1, lots=2, relative=1e-7)
+    assert [lot.scenario.sensors.seed for lot in lots] == [1, 2]
+    assert [lot.scenario.seed for lot in lots] == [stop.scenario.seed] * 2
+    assert len({one.name for one in (*perturbed, *lots)}) == 3
+    for number, one in enumerate((*perturbed, *lots)):
         write_stop(stop_of(one.scenario, 0.95 + 0.01 * number), tmp_path / one.name, keep_trace=False)
-    lots = conditioning_of(campaign, {stop.name: repeats}, tmp_path, 1e-7).stops[stop.name].lots
-    assert len(lots) == 2
-    assert lots[0] != lots[1]
+    first, second = conditioning_of(campaign, {stop.name: repeats}, tmp_path, 1e-7).stops[stop.name].lots
+    assert first != second
 
 
 def test_the_effect_of_a_divided_step_is_compared_with_that_of_rounding():
