@@ -12,6 +12,7 @@ import numpy as np
 import pandas
 
 from railgrip.base.errors import InputError
+from railgrip.base.groups import gather
 from railgrip.base.tables import JsonObject
 from railgrip.report.frame import CONDITIONS, IN_TABLES, PLACE, Frame, groups_of
 from railgrip.report.limits import SUBJECTS
@@ -262,11 +263,8 @@ class ReferenceVariant:
         Raises:
             InputError: No stop has the variant, several axes have it, or its axis has no other variant.
         """
-        axes: dict[str, list[str]] = {}
-        for stop in stops:
-            for axis, variant in stop.items():
-                if axis != DRAW and variant not in (known := axes.setdefault(axis, [])):
-                    known.append(variant)
+        pairs = dict.fromkeys(pair for stop in stops for pair in stop.items())
+        axes = gather(pair for pair in pairs if pair[0] != DRAW)
         found = [(axis, name) for axis, names in axes.items() for name in names if text in (name, f"{axis}={name}")]
         if len(found) != 1:
             several = ", ".join(f"{axis}={name}" for axis, name in found)

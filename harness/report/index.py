@@ -321,16 +321,13 @@ def _train_of(vehicle: Mapping[str, Any]) -> str:
 
 
 def _provenance(results: Results) -> dict[str, str]:
-    versions: dict[str, set[str]] = {}
-    for stop in results.stops:
-        for name, version in stop.versions.items():
-            versions.setdefault(name, set()).add(version)
+    versions = gather(pair for stop in results.stops for pair in stop.versions.items())
     digests = "".join(sorted(f"{stop.digest}{stop.trace_digest}" for stop in results.stops))
     dates = sorted(filter(None, (provenance(stop)["result written"] for stop in results.stops)))
     return {
         "digest of scenarios and traces (SHA-256)": hashlib.sha256(digests.encode()).hexdigest(),
         "results written": f"{dates[0]} to {dates[-1]}" if dates else "–",
-        **{name: ", ".join(sorted(of)) for name, of in sorted(versions.items())},
+        **{name: ", ".join(sorted(set(of))) for name, of in sorted(versions.items())},
     }
 
 
