@@ -11,6 +11,7 @@ from typing import Annotated
 from pydantic import Field, FiniteFloat, ValidationError, field_validator
 
 from railgrip.base.errors import RecordError
+from railgrip.base.groups import gather
 from railgrip.base.records import inside, read_json, words_of
 from railgrip.report.stop import CAMPAIGN_FILE, STOP_FILE, Digest, Stop, Stored, read_stop
 from railgrip.scenario.campaign import DRAW
@@ -153,11 +154,9 @@ def fmu_tools(versions: Mapping[str, str]) -> dict[str, str]:
 
 def by_compiler(stops: Sequence[Stop]) -> list[str]:
     """Return a sentence for each tool, built-in or not, that made FMUs of these stops."""
-    fmus: dict[str, set[str]] = {}
-    for stop in stops:
-        for name, tool in fmu_tools(stop.versions).items():
-            fmus.setdefault(tool or "an unnamed tool", set()).add(name)
-    return [f"FMUs by {tool}: {', '.join(sorted(names))}." for tool, names in sorted(fmus.items())]
+    made = {pair for stop in stops for pair in fmu_tools(stop.versions).items()}
+    fmus = gather((tool or "an unnamed tool", name) for name, tool in sorted(made))
+    return [f"FMUs by {tool}: {', '.join(names)}." for tool, names in sorted(fmus.items())]
 
 
 def from_elsewhere(stops: Sequence[Stop]) -> list[str]:
