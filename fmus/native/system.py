@@ -619,7 +619,12 @@ def _event_equations(
                     "when clause without initial()",
                     action["provenance"],
                 )
-            i = _state_place(dae, v, operation, place, action)
+            scalars = v.of_id[operation["state"]]
+            if len(scalars) != 1 or scalars[0].name not in place:
+                raise dae.refuse(
+                    f"reinit of {scalars[0].name}, which is not a scalar state, is not supported", action["provenance"]
+                )
+            i = place[scalars[0].name]
             active = conditions.edge(action["guard"])
             with evaluate.during("event", active):
                 after[i] = choose(active, evaluate(operation["value"]).item(), after[i])
@@ -634,15 +639,6 @@ def _at_event(evaluate: ExpressionBuilder, expression: int, active: SX) -> Array
             evaluate(expression)
     with evaluate.during("event", active):
         return evaluate(expression)
-
-
-def _state_place(dae: Dae, v: ModelVariables, operation: Node, place: dict[str, int], action: Node) -> int:
-    scalars = v.of_id[operation["state"]]
-    if len(scalars) != 1 or scalars[0].name not in place:
-        raise dae.refuse(
-            f"reinit of {scalars[0].name}, which is not a scalar state, is not supported", action["provenance"]
-        )
-    return place[scalars[0].name]
 
 
 def _assertions(conditions: EventConditions) -> list[Assertion]:

@@ -297,7 +297,7 @@ def _description(
             f"{DESCRIPTION} has {count} variables, elements of arrays counted; allowed are {limits.variables}, "
             "variables under [limits.fmu]."
         )
-    elements = {v.name: [*_elements(fmi, v, units, first.relative)] for v in xml.modelVariables}
+    elements = {v.name: [*_variables(fmi, v, units, first.relative)] for v in xml.modelVariables}
     variables = {variable.name: variable for array in elements.values() for variable in array}
     derivatives = tuple(unknown.variable for unknown in xml.derivatives)
     for d in derivatives:
@@ -409,36 +409,10 @@ def _nominal_of(element: Any) -> float:
     return size if 0.0 < size < math.inf else 1.0
 
 
-def _start_of(element: Any, text: str | None) -> float:
-    value = _value_of(element, "start", text)
-    return math.nan if value is None else value
-
-
-def _elements(
+def _variables(
     fmi: Version, element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]
 ) -> Iterator[FmuVariable]:
-    is_text = element.type in ("String", "Binary")
-    texts = [element.start] if element.start is None or is_text or not element.shape else element.start.split()
-    first = _variable(fmi, element, units, relatives, texts[0])
-    if not element.shape:
-        yield first
-        return
-    count = math.prod(element.shape)
-    if len(texts) not in (1, count):
-        raise FmuError(
-            f"'{element.name}' has {len(texts)} start values in {DESCRIPTION} and {count} elements; correct it "
-            "or ask the tool that made the FMU."
-        )
-    for place, index in enumerate(np.ndindex(element.shape)):
-        name = f"{element.name}[{','.join(str(i + 1) for i in index)}]"
-        text = texts[place % len(texts)]
-        start = _start_of(element, text)
-        yield replace(first, name=name, element=place, elements=count, start=start, start_text=text)
-
-
-def _variable(
-    fmi: Version, element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str], start: str | None
-) -> FmuVariable:
+    # A scalar, or the elements of an array.
     reference = int(element.valueReference)
     if not 0 <= reference < _REFERENCES:
         raise FmuError(
@@ -450,16 +424,24 @@ def _variable(
             f"'{element.name}' has causality={element.causality!r} in {DESCRIPTION}; it is one of "
             f"{', '.join(get_args(Causality))}."
         )
+    is_text = element.type in ("String", "Binary")
+    texts = [element.start] if element.start is None or is_text or not element.shape else element.start.split()
+    count = math.prod(element.shape)
+    if len(texts) not in (1, count):
+        raise FmuError(
+            f"'{element.name}' has {len(texts)} start values in {DESCRIPTION} and {count} elements; correct it "
+            "or ask the tool that made the FMU."
+        )
     declaration = element.declaredType
     unit_name = element.unit or (declaration.unit if declaration is not None else None) or ""
     least = element.min if element.min is not None or declaration is None else declaration.min
     most = element.max if element.max is not None or declaration is None else declaration.max
-    relative = element.name in relatives or bool(declaration is not None and declaration.relativeQuantity)
-    return FmuVariable(
+    first = FmuVariable(
         name=element.name,
         reference=reference,
         kind=_KINDS.get(element.type, "Integer"),
         carrier={2: "Integer", 3: "Int64"}[fmi] if element.type == "Enumeration" else element.type,
+        elements=count,
         causality=element.causality,
         # FMI 2.0.4, §2.2.7: only exact or approximate start values may be changed, constants never. Structural
         # parameters of FMI 3.0 would require another mode, and determine the number of variables.
@@ -469,14 +451,19 @@ def _variable(
         and element.type != "Binary",
         defined_unit=units.get(unit_name),
         unit=unit_name,
-        relative=relative,
-        start=_start_of(element, start),
-        start_text=start,
+        relative=element.name in relatives or bool(declaration is not None and declaration.relativeQuantity),
+        start=math.nan,
+        start_text=None,
         minimum=_value_of(element, "min", least),
         maximum=_value_of(element, "max", most),
         description=element.description or "",
         nominal=_nominal_of(element),
     )
+    for place, index in enumerate(np.ndindex(element.shape)):
+        text = texts[place % len(texts)]
+        start = _value_of(element, "start", text)
+        name = f"{element.name}[{','.join(str(i + 1) for i in index)}]" if index else element.name
+        yield replace(first, name=name, element=place, start=math.nan if start is None else start, start_text=text)
 
 
 def _interface(element: Any, suggested: str = "") -> Interface | None:

@@ -15,6 +15,7 @@ scale · FMU value, both in SI). A `unit` is given only if the FMU declares none
 defines, or omits the unit of rotation: `1/min` of a speed may be `rev/min` or `rad/min`.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, cast
@@ -181,15 +182,13 @@ def bind(
             raise FmuError(f"{where}: a signal is listed twice among {', '.join(names)}.")
     sources = _side(description, inputs, entries, where, "input")
     sinks = _side(description, outputs, entries, where, "output")
-    variables = {v for channel in sources.channels for v in channel.variables}
-    if sum(len(c.variables) for c in sources.channels) != len(variables):
-        twice = [v for c in sources.channels for v in c.variables]
-        again = sorted({v for v in twice if twice.count(v) > 1})
+    driven = Counter(v for channel in sources.channels for v in channel.variables)
+    if again := sorted(v for v, count in driven.items() if count > 1):
         raise FmuError(f"{where}: two signals drive the same input of {description.file.name}: {', '.join(again)}.")
     return Binding(
         inputs=sources,
         outputs=sinks,
-        unused=tuple(v for v in description.names("input") if v not in variables),
+        unused=tuple(v for v in description.names("input") if v not in driven),
         parameters=_side(description, parameters, entries, where, "parameter").ties(),
     )
 
