@@ -96,7 +96,7 @@ class DecelerationControl(SlopeSeeking):
         period, managed, highest = t["period"], t["managed"] > 0.5, t["adhesion_max"]
         speed, loads = ca.fmax(train[0].speed, 0.0), [group.brake["load"] for group in train]
         load = sum(loads)
-        demanded, emergency = _demanded(draft, train, t, speed, load)
+        demanded, emergency = _demanded(draft, train, t, speed)
         braking = either(demanded > 0.0, emergency)
 
         # The utilisation of the last call, because that of this call depends on the demand.
@@ -161,11 +161,7 @@ _ENOUGH = 0.7  # share of the possible deceleration below which magnets are lift
 
 
 def _demanded(
-    draft: FormulaBuilder,
-    train: Sequence[GroupObservation],
-    t: Symbols,
-    speed: Expression,
-    load: Expression,
+    draft: FormulaBuilder, train: Sequence[GroupObservation], t: Symbols, speed: Expression
 ) -> tuple[Expression, Expression]:
     """Return the demanded deceleration [m/s2], and whether the emergency brake is demanded."""
     travelled = draft.state("travelled", "m", "distance since the start, by the speed")
@@ -180,6 +176,7 @@ def _demanded(
     passed = either(distance <= 0.0, needed >= t["emergency"])
 
     forces = [_nominal_force(group) for group in train]
+    load = sum(group.brake["load"] for group in train)
     by_driver = sum(ca.fmax(force, 0.0) for force in forces) * _G / load
     full = every(*(group.driver_demand >= _FULL * group.brake["pressure_max"] for group in train))
     has_target = t["target"] > 0.0
