@@ -51,7 +51,8 @@ _POWER = re.compile(rf"({_SYMBOL})(?:\*\*|\^)?([+-]?[1-9])?")
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
 _MAX_LENGTH = 200  # characters of a quantity; the longest unit in any file of this project has 20
 
-Exponents = tuple[int, int, int, int, int, int, int, int]
+Exponents = tuple[int, ...]
+"""One number for each of `BASE`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,12 +87,9 @@ class Unit:
 
     def __truediv__(self, divisor: "Unit") -> "Unit":
         """Return the unit of a quotient; temperatures in it are differences."""
-        kg, m, s, a, k, mol, cd, rad = (
-            ours - theirs for ours, theirs in zip(self.exponents, divisor.exponents, strict=True)
-        )
         quotient = Unit(
             name=f"{self.name}/{divisor.name}",
-            exponents=(kg, m, s, a, k, mol, cd, rad),
+            exponents=tuple(ours - theirs for ours, theirs in zip(self.exponents, divisor.exponents, strict=True)),
             factor=self.factor / divisor.factor,
             offset=0.0,
         )
@@ -182,9 +180,8 @@ def unit(text: str) -> Unit:
             size, roots = symbol_unit
             factor *= size**power
             exponents = [e + power * roots.get(root, 0) for e, root in zip(exponents, _ROOTS, strict=True)]
-    kg, m, s, a, k, mol, cd, rad = exponents
     offset = _registry().Quantity(0.0, product).to_root_units().magnitude if product in ("degC", "degF") else 0.0
-    return Unit(name=text, exponents=(kg, m, s, a, k, mol, cd, rad), factor=factor, offset=offset)
+    return Unit(name=text, exponents=tuple(exponents), factor=factor, offset=offset)
 
 
 def quantity(text: str) -> tuple[float, Unit]:
