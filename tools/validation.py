@@ -186,7 +186,10 @@ def steps_table(campaign: Campaign) -> ReportTable:
     The half width of the 95 % interval of a change without any cause follows; larger changes are bold. Rows without
     repeats at divided steps are left out.
     """
-    frame = stops_of(campaign.only(lambda stop: "equipment" in stop.variants), {})
+    equipped = campaign.only(lambda stop: "equipment" in stop.variants)
+    if not equipped.stops:
+        return ReportTable([])
+    frame = stops_of(equipped, {})
     moved = [_moved_by_steps(one) if one is not None and one.steps else None for one in frame["repeats"]]
     frame = frame.assign(line=frame["equipment"] + ": " + frame["law"], moved=moved)
     shown = frame[frame["line"].isin(frame["line"][frame["moved"].notna()])]
