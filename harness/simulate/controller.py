@@ -279,16 +279,14 @@ def open_controller(
         )
     controller, commands_valves = stop.stack.enter_context(opening(stop.notify)), gives == "command"
     given = [key for key in ("redistribute", "release_max") if getattr(table, key)]
-    if commands_valves and scenario.demand is not None:
-        raise ScenarioError(
-            f"[demand] limits the pressures that a controller demands, but {name} commands the valves instead; leave "
-            "out [demand], or name an FMU whose output is the demand [Pa]"
-        )
-    if commands_valves and given:
-        raise ScenarioError(
-            f"[controller] {' and '.join(given)} cannot change pressures: {name} commands the valves; leave that out, "
-            "or let the FMU give demand [Pa]"
-        )
+    problems = {
+        f"[demand] limits the pressures that a controller demands, but {name} commands the valves instead; leave out "
+        "[demand], or name an FMU whose output is the demand [Pa]": scenario.demand is not None,
+        f"[controller] {' and '.join(given)} cannot change pressures: {name} commands the valves; leave that out, or "
+        "let the FMU give demand [Pa]": bool(given),
+    }
+    if commands_valves and any(problems.values()):
+        raise ScenarioError("\n".join(problem for problem, is_true in problems.items() if is_true))
     return controller, commands_valves
 
 
