@@ -21,7 +21,11 @@ LAYOUT = layout_of(TWO_PART_TRAIN, observation=EXTENDED)
 
 def half(observed):
     """Return a law of 4 groups that demands half of its last input."""
-    return law("Half", "", 4, lambda draft: lambda _, group: 0.5 * getattr(group, observed[-1].name), observed)
+
+    def demands(draft, parameters, train):
+        return [0.5 * getattr(group, observed[-1].name) for group in train]
+
+    return law("Half", "", 4, demands, observed=observed)
 
 
 def test_a_law_receives_a_new_row_by_its_name():
@@ -35,7 +39,7 @@ def test_a_law_receives_a_new_row_by_its_name():
 
 def test_a_law_without_inputs_is_refused():
     with pytest.raises(AttributeError, match="has no 'lining_wear'; it has speed, acceleration, slip"):
-        law("Half", "", 4, lambda draft: lambda _, group: group.lining_wear)
+        law("Half", "", 4, lambda draft, parameters, train: [group.lining_wear for group in train])
 
 
 def test_a_new_row_is_on_the_reference_page(monkeypatch):
