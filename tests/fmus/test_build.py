@@ -7,8 +7,10 @@ import sys
 import time
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
+import command_line
 import pytest
 from small_fmus import FEATURES
 
@@ -132,6 +134,18 @@ def test_the_lock_file_reads_back_and_differences_are_reported(tmp_path, kitchen
         "states: h was '', is 'm'",
     ]
     assert differences("New", locked, interface) == ["is not in lock.toml"]
+
+
+def test_update_writes_the_lock_of_what_was_built(kitchen, monkeypatch, capfd):
+    make, _, folder = kitchen
+    artifact = make()
+    monkeypatch.setattr("railgrip.cli.fmus.read_recipes", lambda: read_recipes(folder / "recipes.toml"))
+    monkeypatch.setattr("railgrip.cli.fmus.build", lambda names, compiler: [artifact])
+    monkeypatch.setattr("railgrip.cli.fmus.write_lock", partial(write_lock, file=folder / "lock.toml"))
+    done = command_line.done(capfd, "build", "--check", "--update")
+    assert done.code == 0, done.err
+    assert done.out.endswith("lock.toml written\n1 FMUs are valid\n")
+    assert differences("Ball", read_lock(folder / "lock.toml"), artifact.interface) == []
 
 
 def ended(*command: str | Path, cwd: Path = ROOT, env: dict[str, str] | None = None):
