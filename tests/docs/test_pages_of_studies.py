@@ -75,3 +75,5 @@ def test_stored_tables_are_replaced_only_when_all_cases_have_run(tmp_path, monke
         with nullcontext() if stored != "stored" else pytest.raises(ZeroDivisionError):
             assert exit_code("tools", "pages", "mine", "--anew") == 0
         assert (studies / "mine.csv").read_text(encoding="utf-8") == stored
+    assert exit_code("tools", "pages", "mine", "--quick") == 0
+    assert (studies / "mine.csv").read_text(encoding="utf-8") == stored
