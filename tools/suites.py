@@ -49,6 +49,7 @@ import fmpy.fmi1
 import numpy as np
 import pandas
 import typer
+from fmpy.fmi2 import FMU2Slave
 from fmpy.simulation import Recorder
 
 from railgrip.base.errors import InputError
@@ -142,6 +143,7 @@ def simulate(case: SuiteCase, fmu: Path) -> Verdict:
     grid = sorted(t for t in grid if case.start <= t <= case.stop)
     try:
         instance = fmpy.instantiate_fmu(fmpy.extract(str(fmu)), description, "CoSimulation", logger=log)
+        assert isinstance(instance, FMU2Slave)
         recorder = Recorder(instance, description, [*case.expected])
         instance.setupExperiment(startTime=case.start)
         instance.enterInitializationMode()
@@ -408,8 +410,8 @@ def reference(libraries: Sequence[Path], results: Path, only: str = "", most: in
         rows = pandas.read_csv(tables[0], index_col=0)
         wanted = [name.strip() for name in signals.read_text(encoding="utf-8").split("\n")]
         # Of instants with two rows, an event, and of more rows than necessary only some are compared.
-        once = rows[~rows.index.duplicated(keep=False)]
-        chosen = once[:: max(1, len(once) // most)]
+        once = rows.loc[~rows.index.duplicated(keep=False)]
+        chosen = once.iloc[:: max(1, len(once) // most)]
         yield SuiteCase(
             class_name=".".join(parts),
             libraries=(own[0], *(library for library in libraries if library != own[0])),

@@ -310,8 +310,7 @@ def medians_table(*campaigns: Campaign) -> ReportTable:
     """
     rows: list[dict[str, Any]] = []
     for stop, repeated in _repeated(campaigns, "compilers"):
-        repeats = repeated.distances, repeated.compilers["openmodelica"]
-        distances = [[math.inf if one is None else one for one in each] for each in repeats]
+        distances = repeated.distances, repeated.compilers["openmodelica"]
         intervals = [median_interval(each) or (min(each), max(each)) for each in distances]
         shown = [
             f"{np.median(each):.1f} m [{low:.1f}, {high:.1f}]"

@@ -125,7 +125,7 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
     memory.after["count"] = ca.if_else(full, 0, counted + 1)
     entries = scale(_row(means))
     outputs = [network(entries)[0] for network in networks]
-    latest = sum(outputs[1:], outputs[0]) / len(networks)
+    latest = SX(sum(outputs[1:], outputs[0]) / len(networks))
     friction, known = memory.hold("held", latest, full), memory.hold("blocks", SX(1), full)
     return memory.online(
         "Friction from axle boxes after Abduraxman", chain.rate, _boxes(), boxes, {_FRICTION: friction, _KNOWN: known}

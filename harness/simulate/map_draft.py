@@ -226,7 +226,9 @@ def _draft_table(
     description: Description, inputs: Sequence[Port], outputs: Sequence[Port], parameters: Sequence[Port] = ()
 ) -> dict[str, SignalMapping]:
     kinds: dict[Causality, Sequence[Port]] = {"input": inputs, "output": outputs, "parameter": parameters}
-    signals = {port.name: (port, kind) for kind, ports in kinds.items() for port in ports}
+    signals: dict[str, tuple[Port, Causality]] = {
+        port.name: (port, kind) for kind, ports in kinds.items() for port in ports
+    }
     found = draft_mapping(description, signals)
     return {name: _entry(description, signals[name][0], variables) for name, variables in found.items()}
 
