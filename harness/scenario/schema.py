@@ -254,7 +254,7 @@ class Scenario(Table):
 
     @contextmanager
     def name_errors(self) -> Generator[None]:
-        """Put the name of the scenario in front of an error that begins with a table, as those of its parts do.
+        """Put the name of the scenario in front of each line of an error that begins with a table.
 
         Raises:
             ScenarioError, FmuError: Those of the block.
@@ -264,7 +264,9 @@ class Scenario(Table):
         except (ScenarioError, FmuError) as problem:
             if not str(problem).startswith("["):
                 raise
-            raise type(problem)(f"{self.name}: {problem}") from problem
+            lines = str(problem).splitlines()
+            named = [f"{self.name}: {line}" if line.startswith("[") else line for line in lines]
+            raise type(problem)("\n".join(named)) from problem
 
     def digest(self) -> str:
         """Return a SHA-256 of all inputs of the stop: values, and the content of the files they name."""

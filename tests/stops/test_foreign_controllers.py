@@ -131,9 +131,11 @@ def test_valve_commands_accept_no_demand_of_a_driver(folder):
     ):
         run_stop(other)
     limited = other.revised({"controller": {"release_max": "7 s"}})
-    with pytest.raises(
-        ScenarioError, match=r"\[controller\] release_max cannot change pressures: .* commands the valves"
-    ):
+    sentences = (
+        r"random: \[demand\] limits .*\n"
+        r"random: \[controller\] release_max cannot change pressures: .* commands the valves"
+    )
+    with pytest.raises(ScenarioError, match=sentences):
         run_stop(limited)
 
 
