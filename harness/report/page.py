@@ -58,7 +58,7 @@ class Page:
         tables: File name → table, as CSV.
         data: File name → content, as JSON.
         files: File name → function that writes it.
-        documented: Name of a mark → table, text or list of a study for its page of the documentation.
+        documented: Name of a mark → table or Markdown of a study for its page of the documentation.
         screen: Tables and sentences for the terminal.
         exit_code: Exit code of the command line; 0 if no case failed.
     """

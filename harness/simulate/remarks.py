@@ -240,7 +240,7 @@ def _rail(adhesion: Adhesion) -> Iterator[str]:
         "[adhesion] mu0": getattr(adhesion, "mu0", ()),
         **{f"[adhesion.patch[{number}]] mu0": patch.mu0 for number, patch in enumerate(adhesion.patch, start=1)},
     }.items():
-        if list(frictions) == sorted(frictions, reverse=True) != sorted(frictions):
+        if frictions and frictions[0] > frictions[-1] and [*frictions] == sorted(frictions, reverse=True):
             yield f"{key} falls from the leading wheelset to the last; wheels clean the rail for those behind"
     if (conditioning := adhesion.conditioning) is not None and conditioning.recovered < adhesion.lowest:
         yield (

@@ -60,7 +60,7 @@ def _record(event: str, arguments: tuple[Any, ...]) -> None:
 
 
 def dependencies_of(kinds: Mapping[Role, str]) -> dict[str, str]:
-    """Return what the user's classes of `user_kinds` depend on, after the stop of their scenario in this process.
+    """Return the dependencies of the user's classes of `user_kinds`, after the stop of their scenario in this process.
 
     "module NAME" → its file; path of a file that they consist of or read → SHA-256, or "" if there was none;
     "package NAME" → version. It may be more than they need, because processes run several stops. It is empty if a class

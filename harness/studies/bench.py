@@ -97,7 +97,7 @@ def microseconds(
 
 
 def in_turn(calls: Mapping[str, Callable[[], float]], rounds: int) -> Frame:
-    """Return what calls return that are made in turn, with a row for each round."""
+    """Call functions in turn, and return a frame of their results with a row for each round."""
     return pandas.DataFrame([{name: call() for name, call in calls.items()} for _ in range(rounds)])
 
 

@@ -141,3 +141,8 @@ def test_each_lateral_prediction_has_default_noises(model):
 def test_each_creep_curve_states_its_source(curve):
     meaning = registry.meanings("curves")[curve]
     assert len(meaning.split()) > 2, f"add source = '…' to harness/scenario/creep_curves/{curve}.toml"
+
+
+def test_a_new_train_file_names_each_kind_of_dynamic_brake():
+    text = (DOCS.parent / "harness/cli/templates/train.toml").read_text(encoding="utf-8")
+    assert [kind for kind in registry.modules(registry.DYNAMIC_BRAKES) if f'"{kind}"' not in text] == []
