@@ -11,7 +11,6 @@ from math import inf, pi, sqrt
 from typing import Any, cast
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from railgrip.base.arrays import Matrix, Vector
 from railgrip.base.errors import InputError
@@ -357,6 +356,8 @@ def chain_forces(train: Train, stop: HandCalculation) -> Vector:
     count = len(couplers)
     if not count:
         return np.zeros(0)
+    from scipy.integrate import solve_ivp  # a quarter of the start of a stop, which does not need it
+
     of_body = np.array([[float(number == body) for number in body_of_car] for body in range(count + 1)])
     mass, force = of_body @ stop.car_mass, stop.car_force @ of_body.T
     stiffness, damping, slack = (_each(couplers, name) for name in ("stiffness", "damping", "slack"))

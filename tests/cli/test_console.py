@@ -21,13 +21,25 @@ from railgrip.report.table import ReportTable
 HEAVY = {"casadi", "h5py", "matplotlib", "numpy", "pandas", "pint", "scipy", "xarray"}
 
 
+def printed_with_modules(program: str) -> list[str]:
+    ask = f"import sys\n{program}\nprint(*sys.modules)"
+    result = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    return result.stdout.splitlines()
+
+
 def test_help_imports_no_heavy_library():
     """These imports take seconds, and help needs none of them."""
-    ask = "import sys; from railgrip.__main__ import main\ntry: main(['--help'])\nfinally: print(*sys.modules)"
-    result = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=False)
-    assert "campaign" in result.stdout
-    assert result.returncode == 0, result.stderr
-    assert (HEAVY | {"pydantic"}).isdisjoint(result.stdout.splitlines()[-1].split())
+    program = "from railgrip.__main__ import main\ntry: main(['--help'])\nexcept SystemExit: pass"
+    *printed, modules = printed_with_modules(program)
+    assert "campaign" in " ".join(printed)
+    assert (HEAVY | {"pydantic"}).isdisjoint(modules.split())
+
+
+def test_stops_import_no_scipy_before_they_need_it():
+    """Every worker process imports what stops need, and SciPy would be a third of it."""
+    (modules,) = printed_with_modules("import railgrip.simulate.run")
+    assert "scipy" not in modules.split()
 
 
 def test_cells_of_a_table_are_printed_unchanged(capfd):
