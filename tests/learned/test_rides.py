@@ -5,6 +5,7 @@ from zipfile import ZipFile
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from test_learned_online import network
 
 from railgrip.base.errors import EstimatorError, FmuError, ScenarioError
 from railgrip.estimation.axle_box.instrumented_car import (
@@ -26,7 +27,7 @@ from railgrip.estimation.axle_box.ride import (
     read_ride,
     ride_with_estimator,
 )
-from railgrip.estimators.learned.network import Ensemble, Network
+from railgrip.estimators.learned.network import Ensemble
 from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale, Spectral
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, load, save
 from railgrip.fmi import describe
@@ -47,13 +48,6 @@ RIDE = Pass(
 )  # fmt: skip
 
 
-def network(draw, inputs, hidden):
-    return Network(
-        hidden_weights=draw.standard_normal((hidden, inputs)) / inputs**0.5, hidden_bias=draw.standard_normal(hidden),
-        output_weights=draw.standard_normal(hidden), output_bias=-1.0, bias="inside",
-    )  # fmt: skip
-
-
 @pytest.fixture(scope="module")
 def estimators():
     """Both kinds with the exported structure and random weights."""
@@ -68,7 +62,7 @@ def estimators():
     )  # fmt: skip
     paper = PaperEstimator(
         chain=Chain(rate=RATE, block=50), scale=Scale(lowest=np.zeros(4), highest=np.ones(4)),
-        networks=(network(draw, 4, 6),), inputs="longitudinal",
+        networks=(network(draw, 4),), inputs="longitudinal",
     )  # fmt: skip
     return {"general": general, "paper": paper}
 
