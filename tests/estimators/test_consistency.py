@@ -2,31 +2,10 @@ import math
 
 import numpy as np
 import pytest
-from nees import chi_square_bounds, nees
 
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import GaussianEstimate
 from railgrip.estimators.consistency import FAR, WINDOW, delay, loss_step, nis_ratio
-
-
-def test_nees_holds_for_variances_that_hide_each_other():
-    """Correlated 0.999 999 pairwise in units 1e15 apart; eigenvalues of the correlation are 1 + 2c and 1 − c twice.
-
-    An error of one deviation in each component has the direction of the first eigenvector and gives 3/(1 + 2c); an
-    error along the second, (1, −1, 0), gives 2/(1 − c).
-    """
-    c, unit = 0.999_999, np.array([1e-12, 1.0, 1e3])
-    estimate = GaussianEstimate(mean=np.zeros(3), covariance=((1.0 - c) * np.eye(3) + c) * np.outer(unit, unit))
-    # 1 − c has ten of sixteen digits left.
-    assert nees(estimate, unit) == pytest.approx(3.0 / (1.0 + 2.0 * c), rel=1e-9)
-    assert nees(estimate, unit * np.array([1.0, -1.0, 0.0])) == pytest.approx(2.0 / (1.0 - c), rel=1e-9)
-
-
-def test_bounds_are_the_table_of_the_chi_square_distribution():
-    """Abramowitz and Stegun, table 26.8: the 2.5 % and 97.5 % points for 10 degrees."""
-    assert chi_square_bounds(10) == pytest.approx((3.24697, 20.4831), abs=1e-4)
-    # 10 runs of 1 degree are 10 degrees, the mean a tenth of them.
-    assert chi_square_bounds(1, runs=10) == pytest.approx((0.324697, 2.04831), abs=1e-5)
 
 
 def test_delay_of_a_first_order_lag_is_its_logarithm():

@@ -9,31 +9,9 @@ from small_models import OSCILLATOR, WHEELSET, Name, SmallModel, oscillator, sma
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.prediction import CasadiPrediction
 
-
-class Pendulum:
-    """A prediction in plain numpy that has only the methods of the protocol."""
-
-    states = ("angle", "rate")
-    inputs = ("torque",)
-    outputs = ("angle", "acceleration")
-
-    def derivative(self, x, u):
-        return np.array([x[1], -9.81 * np.sin(x[0]) + u[0]])
-
-    def output(self, x, u):
-        return np.array([x[0], -9.81 * np.sin(x[0]) + u[0]])
-
-    def derivative_jacobian(self, x, u):
-        return np.array([[0.0, 1.0], [-9.81 * np.cos(x[0]), 0.0]])
-
-    def output_jacobian(self, x, u):
-        return np.array([[1.0, 0.0], [-9.81 * np.cos(x[0]), 0.0]])
-
-
 CASES = {
     "wheelset": (CasadiPrediction(wheelset(), WHEELSET), [22.0, 58.0, 0.36, 0.06], [2e4, 300.0]),
     "oscillator": (CasadiPrediction(oscillator(), OSCILLATOR), [1e-3, 2e-3, 0.1, -0.1], [1e4]),
-    "pendulum": (Pendulum(), [0.3, -0.2], [1.0]),
 }
 
 
