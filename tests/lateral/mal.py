@@ -1,4 +1,4 @@
-"""Wheelset and filter of Mal et al. (2020) in numpy, independent of the code under test.
+"""Wheelset and filter equations of Mal et al. (2020) in numpy, independent of the code under test.
 
 The available text of the paper lacks the bodies of its equations (1) to (36). This is the same reconstruction as in the
 Modelica library, from the text, Tables 1 and 3, Polach (2005) and Hussain and Mei (2009), in a second program:
@@ -82,29 +82,5 @@ def slopes(x, y, psi, track, track_rate, v, rail):
     ddpsi = -2 * LG * f * over / IW * along - KW / IW * psi
     rate = (along * (LG * ddpsi / v + CONICITY * (dy - track_rate) / R0) + across * (ddy / v - dpsi)) * over
     u_rate = -rail.B * v * (u - rail.A * rail.u0) * rate
-    epsilon = KAPPA * creep / u
-    phi = epsilon / (1 + epsilon**2) + np.arctan(epsilon)
-    phi_slope = (1 - epsilon**2) / (1 + epsilon**2) ** 2 + 1 / (1 + epsilon**2)
-    f_rate = 2 * N / np.pi * KAPPA * phi_slope * rate + 2 * N / np.pi * (phi - epsilon * phi_slope) * u_rate
+    f_rate = force(creep + 1e-30j * rate, u + 1e-30j * u_rate).imag / 1e-30  # exact to rounding
     return np.array([ddy, ddpsi, rate, u_rate, f_rate]), ddy
-
-
-def jacobian(function, x):
-    """∂f/∂x by complex steps: exact to rounding."""
-    columns = []
-    for i in range(len(x)):
-        point = x.astype(complex)
-        point[i] += 1e-30j
-        columns.append(np.imag(function(point)) / 1e-30)
-    return np.array(columns).T
-
-
-def reconstruction_step(x, P, y, psi, seen, T, Q, R, given):
-    """One step of an extended Kalman filter by forward Euler; `given` contains track, its rate, speed and rail."""
-    F = np.eye(5) + T * jacobian(lambda z: slopes(z, y, psi, *given)[0], x)
-    x = x + T * slopes(x, y, psi, *given)[0]
-    P = F @ P @ F.T + Q
-    H = np.array([jacobian(lambda z: np.array([slopes(z, y, psi, *given)[1]]), x)[0], [0, 1, 0, 0, 0]])
-    K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
-    x = x + K @ (seen - np.array([slopes(x, y, psi, *given)[1], x[1]]))
-    return x, (np.eye(5) - K @ H) @ P

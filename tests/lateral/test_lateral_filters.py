@@ -1,4 +1,4 @@
-"""The filters compared with a second program of the same equations, runs with single steps, and accuracy."""
+"""Equations of a filter compared with a second program, runs with single steps, and accuracy."""
 
 import mal
 import numpy as np
@@ -10,11 +10,9 @@ from railgrip.estimation.lateral.information import errors_of_filter
 from railgrip.estimation.lateral.run import (
     INTEGRALS,
     NAMES,
-    PAPER_NOISE,
     STIFFNESS_NAMES,
     LateralCase,
     observer,
-    paper_density,
     prediction,
     simulate,
 )
@@ -33,36 +31,24 @@ from railgrip.estimation.lateral.wheelset import (
 )
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.prediction import CasadiPrediction
-from railgrip.fmus.native import lower
 
 READING_NOISE = np.square(PAPER_SENSORS)
 
 
 def test_the_reconstruction_equals_a_second_program_of_its_equations():
-    """Step by step against numpy with (I − KH)P and Jacobians by complex steps."""
+    """Derivative and readings at random states; tests/fmus compares its Jacobians with differences."""
+    model, rng = prediction("reconstruction"), np.random.default_rng(1)
     speed, rail = 25.0, mal.Rail(DRY.mu0, DRY.A, DRY.B)
-    ours = CompiledFilter(prediction("reconstruction"), paper_density(DRY), READING_NOISE, PERIOD, order=1)
-    x, P = np.array([0.02, -0.01, 4e-4, 0.45, 5e3]), np.diag([1e-6, 1e-8, 1e-10, 1e-4, 1e2])
-    belief = ours.start(x, P)
-    y, psi, rng = 1e-3, -2e-4, np.random.default_rng(1)
-    names = ours.design.inputs
-    for k in range(200):
-        track, rate = 2e-3 * np.sin(10 * k * PERIOD), 2e-2 * np.cos(10 * k * PERIOD)
-        y, psi = y + PERIOD * x[0], psi + PERIOD * x[1]
-        inputs = (track, rate, speed, rail)
-        _, ddy = mal.slopes(x, y, psi, *inputs)
-        readings = np.array([ddy, x[1]]) + rng.standard_normal(2) * np.sqrt(READING_NOISE)
+    for _ in range(20):
+        x = np.array([0.02, -0.01, 4e-4, 0.45, 5e3]) * rng.uniform(0.5, 1.5, 5)
+        y, psi, track, rate = rng.normal(scale=[1e-3, 2e-4, 2e-3, 2e-2])
         values = {"lateral_position": y, "yaw_angle": psi, "track": track, "track_rate": rate, "speed": speed,
-                 "mu0": rail.u0, "A_falling": rail.A, "B_falling": rail.B}  # fmt: skip
-        belief = ours.step(belief, np.array([values[name] for name in names]), readings)
-        x, P = mal.reconstruction_step(
-            x, P, y, psi, readings, PERIOD, np.diag(PAPER_NOISE["dry"]), np.diag(READING_NOISE), inputs
-        )
-    size = np.array([1e-2, 1e-2, 1e-4, 0.4, 1e3])
-    # Rounding of P = (I − KH)P, with entries over twenty orders of magnitude, accumulated over 200 steps.
-    assert belief.mean / size == pytest.approx(x / size, abs=1e-6)
-    assert belief.deviation == pytest.approx(np.sqrt(np.diag(P)), rel=1e-4)
+                  "mu0": rail.u0, "A_falling": rail.A, "B_falling": rail.B}  # fmt: skip
+        inputs = np.array([values[name] for name in model.inputs])
+        slopes, ddy = mal.slopes(x, y, psi, track, rate, speed, rail)
+        # Additions in another order, of terms up to a thousand times the result.
+        assert model.derivative(x, inputs) == pytest.approx(slopes, rel=1e-11)
+        assert model.output(x, inputs) == pytest.approx([ddy, x[1]], rel=1e-11)
 
 
 def test_order_1_is_forward_euler_in_both_filters():
@@ -83,20 +69,6 @@ def test_order_1_is_forward_euler_in_both_filters():
         assert after.covariance == pytest.approx(
             phi @ np.diag(covariance) @ phi.T + 1e-6 * PERIOD * np.eye(5), rel=1e-12
         )
-
-
-def test_partial_derivatives_of_the_force_are_those_of_the_force():
-    """Slopes of the reconstruction compared with differences of Polach's force."""
-    model = lower("RailBraking.Predictions.LateralReconstruction")
-    reconstruction = CasadiPrediction(model, {p.name: p.start for p in model.parameters})
-    x = np.array([0.02, -0.01, 5e-4, 0.2, mal.force(5e-4, 0.2)])
-    values = {"speed": 25.0, "mu0": 0.3, "A_falling": 0.4, "B_falling": 2.0, "lateral_position": 2e-3}
-    rates = reconstruction.derivative(x, np.array([values.get(name, 0.0) for name in reconstruction.inputs]))
-    h = 1e-3
-    ahead = mal.force(x[2] * (1 + h), x[3]) - mal.force(x[2] * (1 - h), x[3])
-    aside = mal.force(x[2], x[3] * (1 + h)) - mal.force(x[2], x[3] * (1 - h))
-    expected = ahead / (2 * h * x[2]) * rates[2] + aside / (2 * h * x[3]) * rates[3]
-    assert rates[4] == pytest.approx(expected, rel=1e-5)  # h² of central differences, times about ten
 
 
 def test_the_friction_of_the_worst_rail_is_estimated():
