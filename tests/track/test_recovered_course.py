@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from filterpy.kalman import KalmanFilter
 
 from railgrip.base.errors import EstimationError
 from railgrip.estimation.motion import course_of, motion_of, smooth
@@ -51,43 +52,27 @@ def test_positions_over_a_few_metres_are_refused():
         course_of(np.linspace(0, 4, 9), np.zeros((9, 2)), np.zeros(9), LOW_PASS)
 
 
-def test_the_smoother_minimises_the_squares_of_all_readings():
-    """For a linear Gaussian model the smoothed mean minimises all weighted squares; solved here as one system."""
+def test_the_smoother_is_that_of_filterpy():
+    """With missing readings, and an observation matrix that changes with time."""
     random = np.random.default_rng(4)
-    F, Q = np.array([[1.0, 0.5], [0.0, 0.9]]), np.array([[0.3, 0.1], [0.1, 0.2]])
-    observation = random.normal(size=(12, 2, 2))
-    noise = np.array([0.5, 2.0])
+    observation, noise = random.normal(size=(12, 2, 2)), np.array([0.5, 2.0])
     readings = random.normal(size=(12, 2))
     readings[3, 0] = readings[7] = np.nan
-    start, start_covariance = np.array([0.4, -0.2]), np.array([[2.0, 0.3], [0.3, 1.0]])
-    rows, right = [], []
-
-    def add(block: np.ndarray, at: int, value: np.ndarray, covariance: np.ndarray, before: np.ndarray | None = None):
-        weight = np.linalg.inv(np.linalg.cholesky(covariance))
-        row = np.zeros((len(value), 24))
-        row[:, 2 * at : 2 * at + 2] = block
-        if before is not None:
-            row[:, 2 * at - 2 : 2 * at] = before
-        rows.append(weight @ row)
-        right.append(weight @ value)
-
-    add(np.eye(2), 0, start, start_covariance)
-    for j in range(12):
+    reference, filtered = KalmanFilter(dim_x=2, dim_z=1), []
+    reference.F, reference.Q = np.array([[1.0, 0.5], [0.0, 0.9]]), np.array([[0.3, 0.1], [0.1, 0.2]])
+    reference.x, reference.P = np.array([0.4, -0.2]), np.array([[2.0, 0.3], [0.3, 1.0]])
+    start, start_covariance = reference.x, reference.P
+    for j, read in enumerate(np.isfinite(readings)):
         if j:
-            add(np.eye(2), j, np.zeros(2), Q, -F)
-        for i in range(2):
-            if np.isfinite(readings[j, i]):
-                add(observation[j, i : i + 1], j, readings[j, i : i + 1], noise[i : i + 1, None])
-    expected = np.linalg.lstsq(np.vstack(rows), np.concatenate(right), rcond=None)[0].reshape(12, 2)
+            reference.predict()
+        for i in np.flatnonzero(read):
+            reference.update(readings[j, i], R=noise[i], H=observation[j, i : i + 1])
+        filtered.append((reference.x, reference.P))
+    expected, *_ = reference.rts_smoother(*map(np.array, zip(*filtered, strict=True)))
     states = smooth(
-        transition=F,
-        noise=Q,
-        observation=observation,
-        reading_noise=noise,
-        readings=readings,
-        start=start,
-        start_covariance=start_covariance,
-    )
+        transition=reference.F, noise=reference.Q, observation=observation, reading_noise=noise, readings=readings,
+        start=start, start_covariance=start_covariance,
+    )  # fmt: skip
     # Both solve the same well-conditioned system in double precision.
     np.testing.assert_allclose(states, expected, rtol=0, atol=1e-9)
 
