@@ -117,13 +117,6 @@ def test_innovations_reveal_an_overconfident_filter(task, filter_):
     )  # after the first window of steps
 
 
-def test_five_rates_do_not_determine_eight_frictions(model):
-    """Rank of ∂(v̇, ω̇)/∂(μ_B, α), independent of the noises."""
-    x = np.array([20.0, *[20 / 0.38] * 4, *[0.35] * 4, 0.13, 0.08, 0.08, 0.13])
-    jacobian = model.derivative_jacobian(x, np.array([3.4e5, 2e5, 2e5, 3.4e5, 0.0]))
-    assert np.linalg.matrix_rank(jacobian[:5, 5:]) == 5
-
-
 def test_the_estimation_file_contains_the_filter_of_the_study(run, case, task, filter_):
     """`railgrip estimate` with [course], and the arrays of the study."""
     specification = filtering.specification()
