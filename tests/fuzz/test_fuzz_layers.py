@@ -3,7 +3,6 @@
 The layers are those of users: a file, a file that extends it, a variant of a campaign, and `--set`.
 """
 
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -27,6 +26,8 @@ layers = st.one_of(
     st.just({}),
     whole.map(lambda value: {"r_wheel": value}),
     elements.map(lambda each: {f"r_wheel[{i}]": value for i, value in each.items()}),
+    # In one table an element is more specific than the value for all.
+    st.builds(lambda value, i: {"r_wheel": value, f"r_wheel[{i}]": 0.55}, radius, st.integers(1, GROUPS)),
 )
 
 
@@ -99,12 +100,3 @@ def test_a_list_of_another_length_or_with_an_element_is_refused_in_any_layer(
     words = "is given too" if element else f"is a list of {length}, but" if length else "is an empty list"
     with pytest.raises(ScenarioError, match=words):
         _ = VehicleData(load(file, overrides(layer) if is_override else [])).nominal
-
-
-@many
-@given(layer=layers, with_scalar=radius, element=st.integers(1, GROUPS))
-def test_one_value_for_all_may_have_an_exception(layer, with_scalar, element, tmp_path):
-    """In one table an element is more specific than the value for all."""
-    above = {"r_wheel": with_scalar, f"r_wheel[{element}]": 0.55}
-    assert tomllib.loads(lines(above)) == above
-    assert radii(load(written(tmp_path, layer, above))) == highest(layer, above)

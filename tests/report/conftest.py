@@ -1,36 +1,14 @@
 """Results on disk for every report."""
 
 import pytest
-from synthetic import COARSE, LIBRARY
-from synthetic_runner import run_stop
+import written_campaigns
 
-from railgrip.campaign.run import write_description
 from railgrip.report.results import read_results
-from railgrip.report.stop import write_stop
-from railgrip.scenario.campaign import load_campaign
-
-TABLE1 = LIBRARY.parent / "campaigns" / "table1.toml"
 
 
 @pytest.fixture(scope="session")
 def write_campaign():
-    """Write results of some stops of a campaign as if they had been run; return the campaign with only these stops.
-
-    The campaign is Table 1, or that of a text, in which `{library}` is the folder of the scenarios of the package.
-    """
-
-    def write(directory, keep=lambda stop: True, overrides=(), text=""):
-        file = directory / "written.toml" if text else TABLE1
-        if text:
-            file.write_text(text.format(library=LIBRARY.as_posix()), encoding="utf-8")
-        whole = load_campaign(file, [*COARSE, *overrides])
-        campaign = whole.only(keep)
-        write_description(campaign, directory)
-        for stop in campaign.stops:
-            write_stop(run_stop(stop.scenario), directory / stop.name)
-        return campaign
-
-    return write
+    return written_campaigns.write_campaign
 
 
 @pytest.fixture(scope="module")
