@@ -23,21 +23,14 @@ def cited(key: str) -> str:
 
 
 def test_the_newest_release_of_the_changelog_is_the_version_of_the_project():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    assert releases()[0][0] == project["version"]
-
-
-def test_the_citation_has_version_and_date_of_the_newest_release():
-    assert (cited("version"), cited("date-released")) == releases()[0]
-
-
-def test_the_modelica_library_has_the_version_of_the_project():
-    package = (ROOT / "modelica/RailBraking/package.mo").read_text(encoding="utf-8")
-    assert f'version="{releases()[0][0]}"' in package
+    """And that of the citation and of the Modelica library; tests/modelica/test_modelica_library.py has its package."""
+    version, date = releases()[0]
+    assert tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"] == version
+    assert (cited("version"), cited("date-released")) == (version, date)
     notes = (ROOT / "modelica/RailBraking/UsersGuide/ReleaseNotes.mo").read_text(encoding="utf-8")
     assert re.findall(r"<h4>Version (\S+)</h4>", notes) == [version for version, _ in releases()]
     example = (ROOT / "docs/examples/SimpleTrain/package.mo").read_text(encoding="utf-8")
-    assert f'uses(RailBraking(version="{releases()[0][0]}"))' in example
+    assert f'uses(RailBraking(version="{version}"))' in example
 
 
 def test_no_text_asks_for_extras_of_a_name_that_is_on_no_index():

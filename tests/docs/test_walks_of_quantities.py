@@ -4,6 +4,8 @@ import ast
 import re
 from pathlib import Path
 
+from test_references import PROSE
+
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "architecture.md"
 FOLDERS = (ROOT, ROOT / "harness", ROOT / "harness/kernel")
@@ -15,6 +17,7 @@ Six names are those of the driver's demand, of which a stop has five: the plant 
 """
 MORE_FOR_A_FILTER = 3
 """Files and copies that the walk through a filter has in addition: a filter is used without the loop, too."""
+COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 
 
 def walks():
@@ -37,17 +40,8 @@ def path_of(name):
 
 def words_in(path):
     """Return the words in the code of a file, without comments and docstrings; case is ignored."""
-    text = path.read_text(encoding="utf-8")
-    if path.suffix == ".py":
-        tree = ast.parse(text)
-        for node in ast.walk(tree):
-            body = getattr(node, "body", None)
-            if isinstance(body, list):
-                node.body = [s for s in body if not (isinstance(s, ast.Expr) and isinstance(s.value, ast.Constant))]
-        text = ast.unparse(tree)
-    else:
-        text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
-    return set(re.findall(r"[a-z0-9_]+", text.lower()))
+    prose = PROSE if path.suffix == ".py" else COMMENT
+    return set(re.findall(r"[a-z0-9_]+", prose.sub(" ", path.read_text(encoding="utf-8")).lower()))
 
 
 def test_each_file_has_the_quantity_in_its_code():
@@ -72,7 +66,7 @@ def declared(kind):
     """Return the names that a struct in C or a class in Python declares."""
     for folder in KERNELS:
         for header in folder.glob("*.h"):
-            text = re.sub(r"/\*.*?\*/", "", header.read_text(encoding="utf-8"), flags=re.DOTALL)
+            text = COMMENT.sub("", header.read_text(encoding="utf-8"))
             if match := re.search(rf"typedef struct {{([^}}]*)}} {kind};", text):
                 return set(re.findall(r"\w+", match[1]))
     for path in (ROOT / "harness").rglob("*.py"):
