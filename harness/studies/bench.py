@@ -331,20 +331,19 @@ def of_train(model: str, noise: str, target: str, share: float) -> Iterator[Row]
     mean = np.array([v.start for v in equations.states])
     readings = prediction.output(mean, inputs)
     first = compiled.start(mean, noise_set.start_covariance(prediction.states))
-    advance = in_place(compiled, first, inputs, readings, count=2000, share=share)
+    by_fmu = CompiledFilter(of_class(model).prediction({}), *noises, 1e-3)
+    by_co_simulation = CompiledFilter(stepped_by_fmu(prediction, model, 1e-3), *noises, 1e-3)
+    advance, fmu, co_simulation = (
+        in_place(filter_, first, inputs, readings, count=2000, share=share)
+        for filter_ in (compiled, by_fmu, by_co_simulation)
+    )
     on_values = microseconds(lambda: compiled.step(first, inputs, readings), count=2000, share=share)
     reference = microseconds(lambda: plain.step(first, inputs, readings), count=100, share=share)
     what = f"compiled filter, {len(prediction.states)} states, a step in place as in the loop"
-    by_fmu = of_class(model).prediction({})
-    stepped = CompiledFilter(by_fmu, *noises, 1e-3)
-    fmu = in_place(stepped, first, inputs, readings, count=2000, share=share)
     yield what, f"{advance:.1f} µs", target
     yield "  by the prediction FMU", f"{fmu:.1f} µs", ""
     yield "  prediction FMU over compiled", f"{fmu / advance:.2f}", "2.5"
-    itself = stepped_by_fmu(prediction, model, 1e-3)
-    filter_ = CompiledFilter(itself, *noises, 1e-3)
-    by_co_simulation = in_place(filter_, first, inputs, readings, count=2000, share=share)
-    yield "  by the prediction FMU that integrates itself, Co-Simulation", f"{by_co_simulation:.1f} µs", ""
+    yield "  by the prediction FMU that integrates itself, Co-Simulation", f"{co_simulation:.1f} µs", ""
     yield "  on values", f"{on_values:.1f} µs", ""
     yield "  filter in numpy over compiled", f"{reference / on_values:.0f}", ""
 
@@ -359,33 +358,23 @@ def stepped_by_fmu(variables: FilterVariables, model: str, period: float) -> Ste
 
 
 def in_place(
-    filter_: CompiledFilter,
-    first: GaussianEstimate,
-    inputs: Vector,
-    readings: Vector,
-    *,
-    count: int,
-    rounds: int = 9,
-    share: float = 1.0,
+    filter_: CompiledFilter, first: GaussianEstimate, inputs: Vector, readings: Vector, *, count: int, share: float
 ) -> float:
     """Return the time of a compiled filter's step in place, as the loop uses it [µs]."""
     filter_.hold(first)
     filter_.inputs[:], filter_.readings[:] = inputs, readings
-    return microseconds(filter_.advance, count=count, rounds=rounds, share=share)
+    return microseconds(filter_.advance, count=count, share=share)
 
 
 def of_groups(groups: int, share: float) -> Iterator[Row]:
     """Yield the time of a step of the decentralised filter over uncoupled wheelsets, two in each bogie."""
-    target = "40 µs" if groups == 16 else ""
-    for what, has_frames in (
-        (f"decentralised filter, {groups} wheelsets that turn apart", False),
-        ("  with suspension", True),
-    ):
-        step = decentralised_step(groups, suspension=has_frames, count=part(2000, share), rounds=part(9, share))
-        yield what, f"{step:.1f} µs", "" if has_frames else target
+    step, with_suspension = (decentralised_step(groups, share, suspension=has_frames) for has_frames in (False, True))
+    what, target = f"decentralised filter, {groups} wheelsets that turn apart", "40 µs" if groups == 16 else ""
+    yield what, f"{step:.1f} µs", target
+    yield "  with suspension", f"{with_suspension:.1f} µs", ""
 
 
-def decentralised_step(groups: int, *, suspension: bool = False, count: int = 2000, rounds: int = 9) -> float:
+def decentralised_step(groups: int, share: float, *, suspension: bool) -> float:
     """Return the CPU time of a step of the decentralised filter in place [µs], the median of rounds.
 
     The train has equal, uncoupled wheelsets, two in each bogie, and readings with the assumed noise.
@@ -406,7 +395,7 @@ def decentralised_step(groups: int, *, suspension: bool = False, count: int = 20
     central = CasadiPrediction(train.model, train.parameters)
     shown = central.output(start_of(central.states, formation, data, speed=30.0), inputs)
     expected = shown[[train.readings.index(name) for name in consist.outputs]]
-    random = np.random.default_rng(0)
+    random, count = np.random.default_rng(0), part(2000, share)
     readings = expected + np.sqrt(variances) * random.standard_normal((count, variances.size))
 
     def filtered() -> None:
@@ -416,17 +405,12 @@ def decentralised_step(groups: int, *, suspension: bool = False, count: int = 20
             filter_.readings[:] = reading
             filter_.advance()
 
-    return microseconds(filtered, rounds=rounds, clock=process_time) / count
+    return microseconds(filtered, share=share, clock=process_time) / count
 
 
 def of_rig(share: float) -> Iterator[Row]:
-    """Yield a step of the compiled filter of the roller rig."""
-    step = rig_step(count=part(20_000, share), rounds=part(7, share))
-    yield "compiled filter of the roller rig, in place", f"{step:.1f} µs", "3 µs"
-
-
-def rig_step(*, count: int = 20_000, rounds: int = 7, period: float = 5e-3) -> float:
-    """Return the time of a step of the rig's filter from a braked start with readings that fit it [µs]."""
+    """Yield the time of a step of the rig's filter from a braked start with readings that fit it."""
+    period = 5e-3
     specification = load_specification(LIBRARY / "rig_own.toml")
     prediction, settings = prediction_for(specification), settings_for(specification, period)
     process = by_name("process", settings.process, prediction.states)
@@ -434,7 +418,8 @@ def rig_step(*, count: int = 20_000, rounds: int = 7, period: float = 5e-3) -> f
     filter_ = CompiledFilter(prediction, process, readings, period, settings.gate)
     mean = np.array([70.0, 33.0, 0.35, 0.05])
     first = filter_.start(mean, by_name("deviation", settings.start_deviation, prediction.states) ** 2)
-    return in_place(filter_, first, np.array([20e3]), mean[:2], count=count, rounds=rounds)
+    step = in_place(filter_, first, np.array([20e3]), mean[:2], count=20_000, share=share)
+    yield "compiled filter of the roller rig, in place", f"{step:.1f} µs", "3 µs"
 
 
 def of_recording(share: float) -> Iterator[Row]:
