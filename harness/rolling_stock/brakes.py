@@ -82,34 +82,30 @@ CONSTANT: Final = BlockLaw(factor=1, force_upper=1, force_lower=1, speed_upper=1
 
 # Values outside the limits are refused: they have a wrong unit, or are of another part. Values outside the usual range
 # are valid, and `railgrip.rolling_stock.check` remarks on them.
-Ratio = Annotated[
-    float, UnitRange("1", at_least=0.1, at_most=100, usual=(1, 15), because="riggings multiply by 2 to 10")
-]
+Ratio = Annotated[float, UnitRange("1", between=(0.1, 100), usual=(1, 15), because="riggings multiply by 2 to 10")]
 Efficiency = Annotated[
-    float, UnitRange("1", at_least=0.1, at_most=1, because="EN 14531-1 has efficiencies of 0.83 to 0.98 for riggings")
+    float, UnitRange("1", between=(0.1, 1), because="EN 14531-1 has efficiencies of 0.83 to 0.98 for riggings")
 ]
 Share = Annotated[float, UnitRange("1", above=0, at_most=1)]
 PadFriction = Annotated[
     float,
     UnitRange(
         "1",
-        at_least=0.02,
-        at_most=0.7,
+        between=(0.02, 0.7),
         usual=(0.08, 0.5),
         because="blocks of cast iron have 0.08 to 0.2, organic and sintered pads 0.25 to 0.45 (EN 14531-1)",
     ),
 ]
-Effect = Annotated[float, UnitRange("1", at_least=-1, at_most=1)]
+Effect = Annotated[float, UnitRange("1", between=(-1, 1))]
 PadRadius = Annotated[
     float,
-    UnitRange("m", at_least=0.02, at_most=0.7, usual=(0.08, 0.65), because="pads and blocks act within the wheel"),
+    UnitRange("m", between=(0.02, 0.7), usual=(0.08, 0.65), because="pads and blocks act within the wheel"),
 ]
 PistonArea = Annotated[
     float,
     UnitRange(
         "m2",
-        at_least=1e-4,
-        at_most=0.3,
+        between=(1e-4, 0.3),
         usual=(5e-4, 0.15),
         because="pistons have diameters of 30 mm (hydraulic) to 406 mm (16 in)",
     ),
@@ -118,8 +114,7 @@ Spring = Annotated[
     float,
     UnitRange(
         "N",
-        at_least=10,
-        at_most=3e4,
+        between=(10, 3e4),
         or_zero=True,
         usual=(50, 8e3),
         because="springs of cylinders have 0.2 to 3 kN; 0 is none",
@@ -127,33 +122,26 @@ Spring = Annotated[
 ]
 PadForce = Annotated[
     float,
-    UnitRange("N", at_least=100, at_most=1e6, usual=(2e3, 2e5), because="pads are pressed by 5 kN to 100 kN"),
+    UnitRange("N", between=(100, 1e6), usual=(2e3, 2e5), because="pads are pressed by 5 kN to 100 kN"),
 ]
 Attraction = Annotated[
     float,
     UnitRange(
         "N",
-        at_least=1e3,
-        at_most=1e6,
+        between=(1e3, 1e6),
         usual=(2e4, 1.5e5),
         because="magnets of track brakes have attractive forces of about 40 kN to 100 kN",
     ),
 ]
 Pressure = Annotated[
     float,
-    UnitRange(
-        "Pa",
-        at_least=1e4,
-        at_most=3e7,
-        because="brake cylinders have 2 to 6 bar of air, or up to 200 bar of oil",
-    ),
+    UnitRange("Pa", between=(1e4, 3e7), because="brake cylinders have 2 to 6 bar of air, or up to 200 bar of oil"),
 ]
 WireDelay = Annotated[
     float,
     UnitRange(
         "s",
-        at_least=1e-3,
-        at_most=1,
+        between=(1e-3, 1),
         or_zero=True,
         because="commands by wire take tenths of a second, and RailBraking.Pneumatics.DelayLine holds 1 s",
     ),
@@ -161,29 +149,22 @@ WireDelay = Annotated[
 TravelSpeed = Annotated[
     float,
     UnitRange(
-        "m/s",
-        at_least=0.1,
-        at_most=FASTEST,
-        usual=(0.1, 95.0),
-        because="no train on wheels has been faster than 159.7 m/s",
+        "m/s", between=(0.1, FASTEST), usual=(0.1, 95.0), because="no train on wheels has been faster than 159.7 m/s"
     ),
 ]
 Temperature = Annotated[
     float,
     UnitRange(
         "K",
-        at_least=200,
-        at_most=1300,
+        between=(200, 1300),
         usual=(250, 700),
         because="brakes work between 230 K and 1300 K; write '60 degC' for 60 °C",
     ),
 ]
 TemperatureRange = Annotated[
-    float, UnitRange("K", at_least=1, at_most=2e3, usual=(20, 800), difference=True, because="discs get 500 K hotter")
+    float, UnitRange("K", between=(1, 2e3), usual=(20, 800), difference=True, because="discs get 500 K hotter")
 ]
-LagTime = Annotated[
-    float, UnitRange("s", at_least=1e-3, at_most=60, usual=(0.02, 12), because="cylinders fill in 1 to 30 s")
-]
+LagTime = Annotated[float, UnitRange("s", between=(1e-3, 60), usual=(0.02, 12), because="cylinders fill in 1 to 30 s")]
 
 
 class SourcedTable(Table):
@@ -221,7 +202,7 @@ class Blocks(SourcedTable):
     )
     speed_nominal: TravelSpeed = Field(description="speed at which friction is nominal, with full force")
     settle_energy: Annotated[
-        float, UnitRange("J", at_least=10, at_most=1e9, because="blocks and pads of trains settle over 50 to 200 kJ")
+        float, UnitRange("J", between=(10, 1e9), because="blocks and pads of trains settle over 50 to 200 kJ")
     ] = Field(description="friction energy of one unit after which friction has settled")
 
 
@@ -238,7 +219,7 @@ class Pads(SourcedTable):
         description="temperature range over which friction changes by the temperature effect"
     )
     settle_energy: Annotated[
-        float, UnitRange("J", at_least=10, at_most=1e9, because="pads of trains settle over 50 to 200 kJ")
+        float, UnitRange("J", between=(10, 1e9), because="pads of trains settle over 50 to 200 kJ")
     ] = Field(description="friction energy of one unit after which friction has settled")
 
 
@@ -315,10 +296,10 @@ class FadingBrake(DynamicBrake):
 
     force: Annotated[
         float,
-        UnitRange("N", at_least=100, at_most=2e5, usual=(2e3, 6e4), because="axles brake with 5 to 40 kN electrically"),
+        UnitRange("N", between=(100, 2e5), usual=(2e3, 6e4), because="axles brake with 5 to 40 kN electrically"),
     ] = Field(description="maximum force at the rim of an axle, or on the rail of all magnets of a bogie")
     speed_full: TravelSpeed = Field(description="speed at and above which the whole force is available")
-    speed_end: Annotated[float, UnitRange("m/s", at_least=0, at_most=FASTEST)] = Field(
+    speed_end: Annotated[float, UnitRange("m/s", between=(0, FASTEST))] = Field(
         description="speed at and below which no force is available; in between it fades out linearly"
     )
 
@@ -375,7 +356,7 @@ class AxleBrake(FadingBrake):
         description="valve: friction brakes of the same brake valve are relieved; train: those of the whole train, "
         "in equal parts; added: none"
     )
-    slide_limit: Annotated[float, UnitRange("1", at_least=0.01, at_most=1, usual=(0.02, 0.3))] = Field(
+    slide_limit: Annotated[float, UnitRange("1", between=(0.01, 1), usual=(0.02, 0.3))] = Field(
         description="slip of an axle from which its dynamic brake is off for the rest of the stop"
     )
 

@@ -101,7 +101,7 @@ Dispersion = Annotated[Normal | Uniform, Field(discriminator="kind")]
 class CommonCause(Table):
     """Common-cause failures of several components, by the beta-factor model of IEC 61508-6, annex D."""
 
-    beta: Annotated[float, UnitRange("1", at_least=0, at_most=0.5)] = Field(
+    beta: Annotated[float, UnitRange("1", between=(0, 0.5))] = Field(
         description="share of a component's failures that all components of its set have at once"
     )
     source: _Source
@@ -110,10 +110,10 @@ class CommonCause(Table):
 class FailureProbability(Table):
     """Probability that a component has failed when the train brakes, and its uncertainty."""
 
-    probability: Annotated[float, UnitRange("1", at_least=0, at_most=0.1)] = Field(
+    probability: Annotated[float, UnitRange("1", between=(0, 0.1))] = Field(
         description="median of the probability that it has failed when the train brakes"
     )
-    error_factor: Annotated[float, UnitRange("1", at_least=1, at_most=100)] = Field(
+    error_factor: Annotated[float, UnitRange("1", between=(1, 100))] = Field(
         description="95 % quantile over median of the lognormal distribution of the probability, which is its median"
     )
     source: _Source

@@ -58,48 +58,43 @@ BearingFriction = Annotated[
 ]
 BearingRadius = Annotated[
     float,
-    UnitRange("m", at_least=0.005, at_most=0.3, usual=(0.02, 0.12), because="journals have diameters of 0.1 to 0.18 m"),
+    UnitRange("m", between=(0.005, 0.3), usual=(0.02, 0.12), because="journals have diameters of 0.1 to 0.18 m"),
 ]
 RollingArm = Annotated[
     float,
-    UnitRange("m", at_least=1e-6, at_most=0.01, or_zero=True, usual=(1e-4, 2e-3), because="steel rolls at 0.5 mm"),
+    UnitRange("m", between=(1e-6, 0.01), or_zero=True, usual=(1e-4, 2e-3), because="steel rolls at 0.5 mm"),
 ]
 WheelRadius = Annotated[
     float,
     UnitRange(
         "m",
-        at_least=0.15,
-        at_most=0.7,
+        between=(0.15, 0.7),
         usual=(0.25, 0.65),
         because="this is the radius, not the diameter; wheels have diameters of 0.33 m (UIC 510-2) to 1.25 m",
     ),
 ]
 Diameter = Annotated[
-    float, UnitRange("m", at_least=0.01, at_most=0.1, usual=(0.02, 0.04), because="brake pipes have 25 to 32 mm")
+    float, UnitRange("m", between=(0.01, 0.1), usual=(0.02, 0.04), because="brake pipes have 25 to 32 mm")
 ]
-CarLength = Annotated[float, UnitRange("m", at_least=2, at_most=100, usual=(5, 50), because="cars are 5 to 50 m long")]
+CarLength = Annotated[float, UnitRange("m", between=(2, 100), usual=(5, 50), because="cars are 5 to 50 m long")]
 AxlePosition = Annotated[
-    float, UnitRange("m", at_least=0, at_most=20, because="no rigid frame is longer; a car of single axles has 9 m")
+    float, UnitRange("m", between=(0, 20), because="no rigid frame is longer; a car of single axles has 9 m")
 ]
 Height = Annotated[
     float,
     UnitRange(
         "m",
-        at_least=0.01,
-        at_most=5,
+        between=(0.01, 5),
         usual=(0.15, 2.5),
         because="frames and rods are at the height of axles, rods of single axles at the centre of gravity of the car",
     ),
 ]
-CarMass = Annotated[
-    float, UnitRange("kg", at_least=500, at_most=5e5, usual=(3e3, 1.6e5), because="cars weigh 3 t to 160 t")
-]
+CarMass = Annotated[float, UnitRange("kg", between=(500, 5e5), usual=(3e3, 1.6e5), because="cars weigh 3 t to 160 t")]
 AxleMass = Annotated[
     float,
     UnitRange(
         "kg",
-        at_least=200,
-        at_most=6e4,
+        between=(200, 6e4),
         usual=(1e3, 4e4),
         because="axles carry 1 t to 40 t; the highest axle load of EN 15528 is 25 t",
     ),
@@ -107,47 +102,37 @@ AxleMass = Annotated[
 WheelsetMass = Annotated[
     float,
     UnitRange(
-        "kg",
-        at_least=50,
-        at_most=1e4,
-        usual=(300, 6e3),
-        because="wheelsets weigh 0.5 t to 2 t, with a drive up to 5 t",
+        "kg", between=(50, 1e4), usual=(300, 6e3), because="wheelsets weigh 0.5 t to 2 t, with a drive up to 5 t"
     ),
 ]
 FrameMass = Annotated[
     float,
-    UnitRange("kg", at_least=50, at_most=5e4, usual=(300, 2e4), because="bogie frames weigh 0.5 t to 20 t"),
+    UnitRange("kg", between=(50, 5e4), usual=(300, 2e4), because="bogie frames weigh 0.5 t to 20 t"),
 ]
 WheelsetInertia = Annotated[
     float,
     UnitRange(
-        "kg.m2",
-        at_least=1,
-        at_most=5e3,
-        usual=(10, 2500),
-        because="wheelsets have 20 to 250 kg.m2, with a drive up to 2000",
+        "kg.m2", between=(1, 5e3), usual=(10, 2500), because="wheelsets have 20 to 250 kg.m2, with a drive up to 2000"
     ),
 ]
 FrameInertia = Annotated[
     float,
     UnitRange(
         "kg.m2",
-        at_least=10,
-        at_most=1e7,
+        between=(10, 1e7),
         usual=(100, 1e6),
         because="bogie frames have inertias of 200 to 1e5 kg.m2, cars on single axles up to 1e6 kg.m2",
     ),
 ]
 FrontalArea = Annotated[
     float,
-    UnitRange("m2", at_least=0.5, at_most=100, usual=(2, 16), because="European gauges (EN 15273) enclose about 12 m2"),
+    UnitRange("m2", between=(0.5, 100), usual=(2, 16), because="European gauges (EN 15273) enclose about 12 m2"),
 ]
 Strength = Annotated[
     float,
     UnitRange(
         "N",
-        at_least=1e4,
-        at_most=1e8,
+        between=(1e4, 1e8),
         usual=(5e4, 5e6),
         because="couplers withstand about 100 kN in trams and 1.5 MN in trains (EN 12663-1)",
     ),
@@ -156,8 +141,7 @@ Stiffness = Annotated[
     float,
     UnitRange(
         "N/m",
-        at_least=1e4,
-        at_most=1e10,
+        between=(1e4, 1e10),
         usual=(1e5, 1e9),
         because="axle boxes have 1.2 MN/m in the Manchester benchmarks (Iwnicki, 1998), couplers about 10 MN/m",
     ),
@@ -166,8 +150,7 @@ Damping = Annotated[
     float,
     UnitRange(
         "N.s/m",
-        at_least=10,
-        at_most=1e9,
+        between=(10, 1e9),
         or_zero=True,
         usual=(500, 1e7),
         because="dampers of trains have 1 kN.s/m to 1 MN.s/m",
@@ -175,16 +158,16 @@ Damping = Annotated[
 ]
 Seconds = Annotated[
     float,
-    UnitRange("s", at_least=1e-3, at_most=120, or_zero=True, usual=(0, 15), because="brakes act within seconds"),
+    UnitRange("s", between=(1e-3, 120), or_zero=True, usual=(0, 15), because="brakes act within seconds"),
 ]
 FillTime = Annotated[
     float,
-    UnitRange("s", at_least=1e-6, at_most=60, usual=(1, 35), because="UIC 540 has 3 to 5 s (P) and 18 to 30 s (G)"),
+    UnitRange("s", between=(1e-6, 60), usual=(1, 35), because="UIC 540 has 3 to 5 s (P) and 18 to 30 s (G)"),
 ]
 SharedBy = Literal["axle", "bogie", "car"]
 
 
-Volume = Annotated[float, UnitRange("m3", at_least=1e-4, at_most=10)]
+Volume = Annotated[float, UnitRange("m3", between=(1e-4, 10))]
 _MAIN = "main reservoirs have 7 to 10 bar (EN 14198)"
 _DELIVERY = "compressors of trains deliver 0.5 to 5 m3 of free air in a minute"
 
@@ -204,23 +187,16 @@ class Davis(SourcedTable):
 
     constant: Annotated[
         float,
-        UnitRange("N", at_least=1, at_most=1e6, or_zero=True, usual=(100, 1e5), because="trains roll with 5 to 30 N/t"),
+        UnitRange("N", between=(1, 1e6), or_zero=True, usual=(100, 1e5), because="trains roll with 5 to 30 N/t"),
     ] = Field(description="A, resistance at standstill; it acts at the wheels, as rolling resistance")
     linear: Annotated[
         float,
-        UnitRange(
-            "N.s/m", at_least=1e-2, at_most=1e5, or_zero=True, usual=(1, 5e3), because="trains have up to 5 kN.s/m"
-        ),
+        UnitRange("N.s/m", between=(1e-2, 1e5), or_zero=True, usual=(1, 5e3), because="trains have up to 5 kN.s/m"),
     ] = Field(description="B, increase with speed")
     quadratic: Annotated[
         float,
         UnitRange(
-            "N.s2/m2",
-            at_least=1e-3,
-            at_most=1e3,
-            or_zero=True,
-            usual=(0.5, 200),
-            because="trains have 3 to 100 N.s2/m2",
+            "N.s2/m2", between=(1e-3, 1e3), or_zero=True, usual=(0.5, 200), because="trains have 3 to 100 N.s2/m2"
         ),
     ] = Field(description="C, increase with the square of the speed, by the air")
 
@@ -238,7 +214,7 @@ class BrakePipe(SourcedTable):
 
     kind: Literal["brake_pipe"]
     diameter: Diameter = Field(description="inner diameter of the pipe")
-    branch_volume: Annotated[float, UnitRange("m3", at_least=1e-6, at_most=1, or_zero=True)] = Field(
+    branch_volume: Annotated[float, UnitRange("m3", between=(1e-6, 1), or_zero=True)] = Field(
         description="volume of branch pipe and dirt collector in each car, upstream of the distributor"
     )
     fill_time: FillTime = Field(
@@ -247,7 +223,7 @@ class BrakePipe(SourcedTable):
     reservoir: Volume = Field(description="volume of the auxiliary reservoir of each car")
 
 
-AirPressure = Annotated[float, UnitRange("Pa", at_least=1e5, at_most=1.5e6, usual=(5e5, 1.1e6), because=_MAIN)]
+AirPressure = Annotated[float, UnitRange("Pa", between=(1e5, 1.5e6), usual=(5e5, 1.1e6), because=_MAIN)]
 
 
 class AirSupply(SourcedTable):
@@ -267,11 +243,11 @@ class AirSupply(SourcedTable):
     feed: Literal["main_pipe", "brake_pipe"] = Field(
         default="main_pipe", description="pipe from which check valves feed the reservoirs of the cars"
     )
-    conductance: Annotated[float, UnitRange("m3/(s.Pa)", at_least=1e-12, at_most=1e-5)] = Field(
+    conductance: Annotated[float, UnitRange("m3/(s.Pa)", between=(1e-12, 1e-5))] = Field(
         description="sonic conductance of the check valve of each reservoir; 10 mm2 have about 2e-8"
     )
     compressor: Annotated[
-        float, UnitRange("m3/s", at_least=1e-4, at_most=1, or_zero=True, usual=(5e-3, 0.1), because=_DELIVERY)
+        float, UnitRange("m3/s", between=(1e-4, 1), or_zero=True, usual=(5e-3, 0.1), because=_DELIVERY)
     ] = Field(default=0.0, description="free air that the compressors deliver while they run; 0 for none")
     compressor_on: AirPressure = Field(default=8.5e5, description="pressure below which compressors start")
     compressor_off: AirPressure = Field(default=1e6, description="pressure above which they stop")
@@ -309,13 +285,11 @@ class Distributor(SourcedTable):
     release_time: (
         Annotated[
             float,
-            UnitRange(
-                "s", at_least=1, at_most=200, usual=(10, 70), because="UIC 540 has 15 to 20 s (P), 45 to 60 s (G)"
-            ),
+            UnitRange("s", between=(1, 200), usual=(10, 70), because="UIC 540 has 15 to 20 s (P), 45 to 60 s (G)"),
         ]
         | None
     ) = Field(default=None, description="release time from the highest pressure to 0.4 bar; 17 s unless given")
-    inshot: Annotated[float, UnitRange("1", at_least=0, at_most=0.5, usual=(0, 0.2))] = Field(
+    inshot: Annotated[float, UnitRange("1", between=(0, 0.5), usual=(0, 0.2))] = Field(
         default=0.0, description="share of the highest pressure that comes at once, and brings blocks to the wheel"
     )
     low_share: Share | None = Field(
@@ -392,10 +366,10 @@ _READY = "above it an accelerator would be ready to open again, and would open a
 class Accelerator(SourcedTable):
     """Valve that vents the brake pipe at a car when its pressure falls fast: RailBraking.Pneumatics.Accelerator."""
 
-    conductance: Annotated[float, UnitRange("m3/(s.Pa)", at_least=1e-11, at_most=1e-5)] = Field(
+    conductance: Annotated[float, UnitRange("m3/(s.Pa)", between=(1e-11, 1e-5))] = Field(
         description="sonic conductance of the vent; 1 cm2 has about 2e-7"
     )
-    opening_rate: Annotated[float, UnitRange("Pa/s", at_least=1, at_most=1e7)] = Field(
+    opening_rate: Annotated[float, UnitRange("Pa/s", between=(1, 1e7))] = Field(
         description="rate of decrease of the pipe pressure at which it opens"
     )
     closing_pressure: Annotated[float, UnitRange("Pa", at_least=1, below=4.5e5, because=_READY)] = Field(
@@ -492,9 +466,7 @@ class Coupler(SourcedTable):
 
     stiffness: Stiffness = Field(description="stiffness of the spring")
     damping: Damping = Field(description="damping of the damper")
-    slack: Annotated[float, UnitRange("m", at_least=1e-5, at_most=1, or_zero=True)] = Field(
-        description="play of the coupler"
-    )
+    slack: Annotated[float, UnitRange("m", between=(1e-5, 1), or_zero=True)] = Field(description="play of the coupler")
     strength: Strength = Field(description="maximum permissible force")
 
 
@@ -559,7 +531,7 @@ class PublishedStop(Table):
     """A published stop on dry level track."""
 
     speed: TravelSpeed = Field(description="initial speed")
-    distance: Annotated[float, UnitRange("m", at_least=1, at_most=1e4)] = Field(description="braking distance")
+    distance: Annotated[float, UnitRange("m", between=(1, 1e4))] = Field(description="braking distance")
     limit: StrictBool = Field(default=False, description="whether the distance is an upper limit, not a measurement")
     source: str = Field(description="publication of the stop")
 

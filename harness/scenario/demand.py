@@ -21,7 +21,7 @@ from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, optio
 from railgrip.scenario.track import LARGEST_FORCE
 from railgrip.vehicle.signals import Layout
 
-_PRESSURE = UnitRange("Pa", at_least=0, at_most=1e8, because="pneumatics and hydraulics of brakes stay below 1000 bar")
+_PRESSURE = UnitRange("Pa", between=(0, 1e8), because="pneumatics and hydraulics of brakes stay below 1000 bar")
 
 _Pressure = Annotated[float, _PRESSURE] | Literal["full"]
 
@@ -64,9 +64,7 @@ class Traction(Table):
 
     force: Annotated[
         float,
-        UnitRange(
-            "N", at_least=0, at_most=LARGEST_FORCE, or_zero=True, usual=(1e3, 1e6), because="trains are pulled with kN"
-        ),
+        UnitRange("N", between=(0, LARGEST_FORCE), or_zero=True, usual=(1e3, 1e6), because="trains are pulled with kN"),
     ] = Field(description="most, forward")
     power: (
         Annotated[float, UnitRange("W", above=0, at_most=1e9, usual=(1e4, 3e7), because="trains have 100 kW to 20 MW")]

@@ -81,7 +81,7 @@ class KalmanFilter(Table):
     free_wheels: StrictBool = optional(
         "use the speed of a rolling, unbraked wheel as that of the train while the radar is silent", default=False
     )
-    load_deviation: Annotated[float, UnitRange("1", at_least=0, at_most=1)] = optional(
+    load_deviation: Annotated[float, UnitRange("1", between=(0, 1))] = optional(
         "standard deviation of the load of a wheelset over the load that the filter assumes; no reading shows it, and "
         "it counts in the deviation of the estimated adhesion",
         default=0.0,
@@ -215,8 +215,7 @@ class Limits(Table):
         float,
         UnitRange(
             "m/s",
-            at_least=0,
-            at_most=2,
+            between=(0, 2),
             usual=(0.0, 1.0),
             because="a train that moves faster does not stand: up to 4 m are missing",
         ),

@@ -40,6 +40,7 @@ class UnitRange:
         at_least: float | None = None,
         below: float | None = None,
         at_most: float | None = None,
+        between: tuple[float, float] | None = None,
         or_zero: bool = False,
         usual: tuple[float, float] | None = None,
         difference: bool = False,
@@ -53,6 +54,7 @@ class UnitRange:
             at_least: Lower limit, inclusive.
             below: Upper limit, exclusive.
             at_most: Upper limit, inclusive.
+            between: Both limits, inclusive.
             or_zero: Whether 0 is valid regardless of the limits.
             usual: Minimum and maximum of usual values; others within the limits are valid, but worth a remark.
             difference: Whether the value is a difference of temperatures, which "°C" does not express.
@@ -60,6 +62,7 @@ class UnitRange:
         """
         self.unit, self.or_zero, self.usual, self.difference = unit, or_zero, usual, difference
         self.because = f"; {because}" if because else ""
+        at_least, at_most = between or (at_least, at_most)
         self.limits = dict(zip(_LIMITS, (above, at_least, below, at_most), strict=True))
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

@@ -42,10 +42,10 @@ class Recovery(Table):
 
     mu0: Friction = Field(description="maximum friction of the clean rail; where friction is higher it stays")
     A: Annotated[float, UnitRange("1", above=0, at_most=1), Field(description="of the clean rail, as in polach")]
-    B: Annotated[float, UnitRange("s/m", at_least=0, at_most=100), Field(description="of the clean rail, as in polach")]
+    B: Annotated[float, UnitRange("s/m", between=(0, 100)), Field(description="of the clean rail, as in polach")]
     rate: Annotated[
         float,
-        UnitRange("m/J", at_least=0, at_most=1, because="the energy of slip is some 100 J/m to 10 kJ/m of a wheel"),
+        UnitRange("m/J", between=(0, 1), because="the energy of slip is some 100 J/m to 10 kJ/m of a wheel"),
     ] = Field(description="τ, of the recovery over the energy of the slip of a wheel on a metre of rail")
 
 
@@ -61,7 +61,7 @@ class Sand(Table):
         description="maximum friction of a rail with plenty of sand; where friction is higher it stays"
     )
     density: _Density = Field(description="on one rail, with which 63 % of the gap are closed")
-    left: Annotated[float, UnitRange("1", at_least=0, at_most=1)] = Field(
+    left: Annotated[float, UnitRange("1", between=(0, 1))] = Field(
         description="share of what a wheelset meets that is still there for the next one"
     )
 
@@ -72,14 +72,14 @@ class Sander(Table):
     wheelset: Annotated[StrictInt, Field(ge=1, le=256)] = Field(description="in the direction of travel, from 1 on")
     rate: Annotated[
         float,
-        UnitRange("kg/s", at_least=1e-6, at_most=1, usual=(1e-3, 0.2), because="sanders lay some kilograms a minute"),
+        UnitRange("kg/s", between=(1e-6, 1), usual=(1e-3, 0.2), because="sanders lay some kilograms a minute"),
     ] = Field(description="on one rail; of one whose rate varies, the most")
     density: _Density | None = optional("that it keeps on the rail while `rate` allows; without it, `rate`")
     begin: Delay = Field(default=0.0, description="when it is switched on, since the start of the stop")
     end: Delay | None = optional("without it, the end of the stop")
     delay: Annotated[
         float,
-        UnitRange("s", at_least=1e-3, at_most=600, or_zero=True, usual=(0.02, 10.0), because="sand falls a metre"),
+        UnitRange("s", between=(1e-3, 600), or_zero=True, usual=(0.02, 10.0), because="sand falls a metre"),
     ] = Field(description="that sand takes from the box to the rail, after both")
 
     _in_order = model_validator(mode="after")(ends_after_it_begins)
@@ -234,13 +234,11 @@ class Polach(BaseModel):
     ]
     B: Annotated[
         float,
-        UnitRange(
-            "s/m", at_least=0, at_most=100, usual=(0.0, 2.0), because="friction falls over some m/s of slip velocity"
-        ),
+        UnitRange("s/m", between=(0, 100), usual=(0.0, 2.0), because="friction falls over some m/s of slip velocity"),
         Field(description="decay of friction with slip velocity"),
     ]
     temperature_loss: Annotated[
-        float, UnitRange("1/K", at_least=0, at_most=1e-2, because="friction falls over some hundred kelvin")
+        float, UnitRange("1/K", between=(0, 1e-2), because="friction falls over some hundred kelvin")
     ] = optional("share of friction that the contact loses per kelvin of its temperature rise", default=0.0)
     recovery: Recovery | None = optional("how slip cleans the rail, where [adhesion] has no recovery")
 

@@ -40,27 +40,24 @@ Friction = Annotated[
     float, UnitRange("1", above=0, at_most=1, usual=(0.01, 0.6), because="dry rail carries up to 0.5 (Polach, 2005)")
 ]
 Speed = Annotated[float, UnitRange("m/s", above=0, at_most=FASTEST, usual=(0.0, 95.0), because=_FASTEST)]
-StartSpeed = Annotated[
-    float, UnitRange("m/s", at_least=0, at_most=FASTEST, or_zero=True, usual=(2.0, 70.0), because=_FASTEST)
-]
+StartSpeed = Annotated[float, UnitRange("m/s", between=(0, FASTEST), or_zero=True, usual=(2.0, 70.0), because=_FASTEST)]
 Duration = Annotated[float, UnitRange("s", above=0, at_most=10800, because=_WHY_THREE_HOURS)]
 Period = Annotated[
     float,
     UnitRange(
         "s",
-        at_least=1e-6,
-        at_most=60,
+        between=(1e-6, 60),
         usual=(1e-5, 1.0),
         because="nothing in a train is sampled in less than 1 us, or once a minute; a period is 1 over the frequency",
     ),
 ]
-Delay = Annotated[float, UnitRange("s", at_least=0, at_most=10800, because=_WHY_THREE_HOURS)]
+Delay = Annotated[float, UnitRange("s", between=(0, 10800), because=_WHY_THREE_HOURS)]
 Lag = Annotated[
     float,
-    UnitRange("s", at_least=0, at_most=10, usual=(0.0, 1.0), because="what a sensor shows so late is of another stop"),
+    UnitRange("s", between=(0, 10), usual=(0.0, 1.0), because="what a sensor shows so late is of another stop"),
 ]
-Length = Annotated[float, UnitRange("m", at_least=0, at_most=1e5, because="no braking is longer than 100 km")]
-Chainage = Annotated[float, UnitRange("m", at_least=-1e7, at_most=1e7, because="no line is longer than 10,000 km")]
+Length = Annotated[float, UnitRange("m", between=(0, 1e5), because="no braking is longer than 100 km")]
+Chainage = Annotated[float, UnitRange("m", between=(-1e7, 1e7), because="no line is longer than 10,000 km")]
 Mass = Annotated[float, UnitRange("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")]
 Deviation = Annotated[
     float,

@@ -51,9 +51,7 @@ class Gradient(Table):
     slope: Slope = Field(description="tangent of the gradient, positive uphill")
 
 
-Bend = Annotated[
-    float, UnitRange("m", at_least=-1e5, at_most=1e5, because="no track is surveyed to less than 1e-5 1/m")
-]
+Bend = Annotated[float, UnitRange("m", between=(-1e5, 1e5), because="no track is surveyed to less than 1e-5 1/m")]
 
 
 class Curve(Table):
@@ -80,13 +78,11 @@ class Plan(Table):
 
     latitude: Annotated[Number, Field(ge=-89.0, le=89.0)] = Field(description="of the point `middle` [deg]")
     longitude: Annotated[Number, Field(ge=-180.0, le=180.0)] = Field(description="of the point `middle` [deg]")
-    height: Annotated[float, UnitRange("m", at_least=-500, at_most=6000, because="no railway is higher")] = Field(
+    height: Annotated[float, UnitRange("m", between=(-500, 6000), because="no railway is higher")] = Field(
         description="of the point `middle` above the ellipsoid"
     )
     middle: Length = Field(description="distance of the point whose position is given")
-    heading: Annotated[float, UnitRange("rad", at_least=-7, at_most=7)] = Field(
-        description="there, clockwise from north"
-    )
+    heading: Annotated[float, UnitRange("rad", between=(-7, 7))] = Field(description="there, clockwise from north")
     course: tuple[tuple[Length, Bend], ...] = Field(
         min_length=1,
         description="length of each piece and the radius at its end: 0 is straight, positive to the right; the "
@@ -192,7 +188,7 @@ class TrackLine(Table):
 class Track(Table):
     """External influences on the train besides brakes and resistance."""
 
-    force: Annotated[float, UnitRange("N", at_least=-LARGEST_FORCE, at_most=LARGEST_FORCE)] = Field(
+    force: Annotated[float, UnitRange("N", between=(-LARGEST_FORCE, LARGEST_FORCE))] = Field(
         default=0.0, description="constant force, forward positive"
     )
     gradient: tuple[Gradient, ...] = Field(default=(), description="slopes along the distance; level without them")

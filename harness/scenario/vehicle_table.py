@@ -59,7 +59,7 @@ class FormationTable(Table):
     wheelset_load: tuple[Annotated[float, UnitRange("N", above=0, at_most=1e6)], ...] = Field(
         default=(), description="static force of each wheelset on the rail"
     )
-    track_brakes: Annotated[float, UnitRange("N", at_least=0, at_most=1e7)] = optional(
+    track_brakes: Annotated[float, UnitRange("N", between=(0, 1e7))] = optional(
         "greatest force of brakes that act on the rail itself, magnetic or eddy current; train files have it",
         default=0.0,
     )

@@ -16,9 +16,9 @@ class Electrodynamic(AxleBrake):
     kind: Literal["electrodynamic"]
     power: Annotated[
         float,
-        UnitRange("W", at_least=1e3, at_most=1e7, usual=(3e4, 2e6), because="axles brake with 50 kW to 1.6 MW"),
+        UnitRange("W", between=(1e3, 1e7), usual=(3e4, 2e6), because="axles brake with 50 kW to 1.6 MW"),
     ] = Field(description="maximum power at the rim of an axle: above power/force the force is power/speed")
-    adhesion_limit: Annotated[float, UnitRange("1", at_least=0.02, at_most=0.5)] | None = Field(
+    adhesion_limit: Annotated[float, UnitRange("1", between=(0.02, 0.5))] | None = Field(
         default=None, description="adhesion on the static load of its axles to which the force is limited"
     )
 
