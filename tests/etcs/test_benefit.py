@@ -14,13 +14,16 @@ from railgrip.report.statistics import FEWEST_DRAWS
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.load import read_toml
 from railgrip.scenario.surface import Sander
+from railgrip.simulate.run import run_stop
 from railgrip.studies.benefit import benefit_study as module
 from railgrip.studies.benefit.benefit_study import Benefit, chain_of, cost_table, gain_table, sentences_of
 from railgrip.studies.benefit.chain import (
     BASE,
     BenefitChain,
     Variant,
+    figures_of,
     sand_mass,
+    scenario_for,
     variants_of,
     weighted_quantile,
 )
@@ -31,9 +34,9 @@ from railgrip.trace.k_wet import k_wet
 
 SPEED, TIME, DRY = 30.0, 1.0, 400.0
 LINE = (LIBRARY / "line_leaves.toml").read_text(encoding="utf-8")
-TRAM, EMU, WAGON = (
+TRAM, EMU, WAGON, VT642 = (
     Path(trains.__file__).parents[1] / "scenario" / "trains" / f"{name}.toml"
-    for name in ("tram", "emu387", "two_axle_wagon")
+    for name in ("tram", "emu387", "two_axle_wagon", "vt642")
 )
 
 
@@ -164,6 +167,20 @@ def test_a_measure_gives_a_train_what_it_lacks_and_takes_from_it_what_it_has(tmp
     assert len(variants_of(EMU, magnetic | sand, "full_brake", tmp_path)) == 4
 
 
+def test_the_figures_of_a_stop_are_those_of_its_trace(tmp_path):
+    """Sand leaves the nozzles of both rails at a fixed rate from the delay of the sander on."""
+    line = load_study_line(Path("leaves"))
+    _, sanded = variants_of(VT642, measures_of("sand", line), "full_brake", tmp_path)
+    scenario = scenario_for(sanded, line, line.rail[0], 1, 20 / 3.6)
+    figures, stop = figures_of(scenario), run_stop(scenario)
+    assert (figures["distance"], figures["air"]) == (stop.metrics.distance, stop.metrics.air_used)
+    assert figures["energy"] == sum(stop.metrics.tread_energy) > 0
+    rates = [sander.rate for sander in load_train(sanded.train).sanders]
+    assert figures["sand"] == pytest.approx(2 * sum(rates) * stop.metrics.duration, rel=5e-3)
+    longer = scenario.model_copy(update={"limits": scenario.limits.model_copy(update={"horizon": 1.0})})
+    assert figures_of(longer)["distance"] == np.inf
+
+
 class Here:
     """Runs the cases of a study in this process."""
 
@@ -241,7 +258,7 @@ def test_wrong_measures_are_refused_with_a_sentence(measures, sentence):
 def test_a_train_with_weak_brakes_has_the_time_to_stop_on_a_dry_rail(commuter, tmp_path):
     """From 120 km/h its brakes take 63 s; the friction of a dry rail would allow 14 s."""
     (base,) = variants_of(WAGON, {}, "full_brake", tmp_path)
-    horizon = module.scenario_for(base, commuter, None, 0, 120 / 3.6).limits.horizon
+    horizon = scenario_for(base, commuter, None, 0, 120 / 3.6).limits.horizon
     assert horizon > module.by_hand(load_train(WAGON), 120 / 3.6).duration + 20
     with pytest.raises(InputError, match=r"--measures sand: two_axle_wagon\.toml with it is wrong: .* the train has 2"):
         variants_of(WAGON, measures_of("sand", commuter), "full_brake", tmp_path)
@@ -261,8 +278,8 @@ def test_a_line_has_measures_and_files_of_its_own(tmp_path):
     measures = measures_of("two", line)
     (tmp_path / "trains").mkdir()
     base, two = variants_of(EMU, measures, "full_brake", tmp_path / "trains")
-    stop = module.scenario_for(two, line, line.rail[0], 3, 20.0)
+    stop = scenario_for(two, line, line.rail[0], 3, 20.0)
     assert stop.adhesion.curve.values.max() == pytest.approx(0.06)
     assert stop.controller.kind == "slip_two_state"
-    other = module.scenario_for(replace(base, name="x"), line, line.rail[0], 3, 20.0)
+    other = scenario_for(replace(base, name="x"), line, line.rail[0], 3, 20.0)
     assert (other.adhesion.level, other.seed) == (stop.adhesion.level, stop.seed)
