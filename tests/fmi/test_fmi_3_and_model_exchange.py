@@ -1,6 +1,7 @@
 """Plants by FMI 3.0 and by Model Exchange: the same numbers as by Co-Simulation 2.0, and as closed forms."""
 
 import re
+from contextlib import nullcontext
 from pathlib import Path
 
 import fmpy
@@ -181,17 +182,13 @@ def stepped(**attributes: str) -> str:
     return re.sub(r"<ModelExchange ([^/]*)/>", rf"<CoSimulation \1{more}/>", BALL)
 
 
-@pytest.mark.parametrize("period", [0.003, 0.009, 0.3])
-def test_a_multiple_of_the_internal_step_is_accepted(foundry: Path, period: float):
-    description = describe(ball(foundry, stepped(fixedInternalStepSize="3e-3")))
-    IsolatedCoSimulation(description, ball_binding(description), period=period, parameters={})
-
-
-@pytest.mark.parametrize(("period", "near"), [(0.01, "0.009"), (0.001, "0.003"), (0.005, "0.006")])
+@pytest.mark.parametrize(
+    ("period", "near"), [(0.003, ""), (0.009, ""), (0.3, ""), (0.01, "0.009"), (0.001, "0.003"), (0.005, "0.006")]
+)
 def test_a_period_that_is_not_a_multiple_of_the_internal_step_is_refused(foundry: Path, period: float, near: str):
     description = describe(ball(foundry, stepped(fixedInternalStepSize="3e-3")))
     words = f"its internal step is fixed at 0.003 s, and the communication period of {period:g} s is not a whole"
-    with pytest.raises(FmuError, match=re.escape(words) + f".*such as {near} s"):
+    with pytest.raises(FmuError, match=re.escape(words) + f".*such as {near} s") if near else nullcontext():
         IsolatedCoSimulation(description, ball_binding(description), period=period, parameters={})
 
 

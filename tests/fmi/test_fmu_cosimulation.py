@@ -15,15 +15,15 @@ from tiny_fmu import GUID, repacked, tied, tiny, xml
 from waiting import LONGEST
 
 from railgrip.base.errors import FmuError, PlantFailed
-from railgrip.fmi import CoSimulation, describe
+from railgrip.fmi import CoSimulation, IsolatedCoSimulation, describe
 from railgrip.fmi.instance import Instance, _without_solver_lines, unpack
 
 PERIOD = 1e-3
 
 
-def opened(file: Path, **parameters: object) -> CoSimulation:
+def opened(file: Path, kind: type[CoSimulation] = CoSimulation, **parameters: object) -> CoSimulation:
     description = describe(file)
-    return CoSimulation(description, tied(description), period=PERIOD, parameters=parameters)
+    return kind(description, tied(description), period=PERIOD, parameters=parameters)
 
 
 def closed_form(t: float, rate: float, gain: float, u: float, x: float = 1.0) -> float:
@@ -133,22 +133,31 @@ def test_an_infinite_output_is_a_failure_and_a_large_one_is_not(foundry: Path):
 
 
 @pytest.mark.parametrize(
-    ("misbehaviour", "guid", "sentence"),
+    ("kind", "misbehaviour", "guid", "sentence"),
     [
-        ("REFUSES", GUID, "gave no instance; it says: error: no licence for plant"),
-        ("WELL", "{other}", "the FMU could not be started"),
+        (CoSimulation, "REFUSES", GUID, "gave no instance; it says: error: no licence for plant"),
+        (IsolatedCoSimulation, "REFUSES", GUID, "no licence for plant"),
+        (CoSimulation, "WELL", "{other}", "the FMU could not be started"),
     ],
 )
-def test_a_refused_start_is_reported_with_its_reason(foundry: Path, misbehaviour: str, guid: str, sentence: str):
+def test_a_refused_start_is_reported_with_its_reason(foundry: Path, scratch: Path, kind, misbehaviour, guid, sentence):
     with pytest.raises(PlantFailed, match=sentence):
-        opened(tiny(foundry, misbehaviour, description=xml().replace(GUID, guid))).__enter__()
+        opened(tiny(foundry, misbehaviour, description=xml().replace(GUID, guid)), kind).__enter__()
+    assert list(scratch.iterdir()) == []
 
 
-def test_a_failed_plant_repeats_its_failure_instead_of_running(foundry: Path):
-    with opened(tiny(foundry, "ERROR_STATUS"), allowed=0) as plant:
+@pytest.mark.parametrize(
+    ("kind", "misbehaviour", "sentence"),
+    [
+        (CoSimulation, "ERROR_STATUS", "the wheel came off at 0"),
+        (IsolatedCoSimulation, "CRASH", "ended by SIGSEGV"),
+    ],
+)
+def test_a_failed_plant_repeats_its_failure_instead_of_running(foundry: Path, kind, misbehaviour: str, sentence: str):
+    with opened(tiny(foundry, misbehaviour), kind, allowed=0) as plant:
         plant.start(np.zeros(1))
         for _ in range(2):
-            with pytest.raises(PlantFailed, match="the wheel came off at 0"):
+            with pytest.raises(PlantFailed, match=sentence):
                 plant.step(np.zeros(1))
 
 
@@ -193,9 +202,10 @@ def test_a_library_that_does_not_load_is_reported(foundry: Path, tmp_path: Path)
         ({"gain": [1.0, 2.0]}, r"has no variable 'gain\[1\]'; did you mean 'gain'"),
     ],
 )
-def test_a_wrong_parameter_is_refused_before_anything_runs(foundry: Path, parameters: dict[str, object], sentence: str):
+@pytest.mark.parametrize("kind", [CoSimulation, IsolatedCoSimulation])
+def test_a_wrong_parameter_is_refused_before_anything_runs(foundry: Path, kind, parameters, sentence: str):
     with pytest.raises(FmuError, match=sentence):
-        opened(tiny(foundry), **parameters)
+        opened(tiny(foundry), kind, **parameters)
 
 
 def test_an_array_parameter_is_set_element_by_element(foundry: Path):

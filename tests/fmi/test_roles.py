@@ -22,7 +22,6 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.export.c_parts import part_fmu
 from railgrip.simulate.export.controller_and_plant import controller_fmu
 from railgrip.simulate.map_draft import find_mapping
-from railgrip.simulate.named_models import role_of
 from railgrip.simulate.run import run_stop
 
 
@@ -79,11 +78,6 @@ def refusal(path: str | Path, *overrides: str) -> str:
     except RailgripError as problem:
         return str(problem)
     return ""
-
-
-@pytest.mark.parametrize("name", FILES)
-def test_the_role_of_an_fmu_follows_from_its_inputs_and_outputs(name, files):
-    assert role_of(describe(files[name])) == expected_role(name)
 
 
 @pytest.mark.parametrize("key", ["plant", "controller", "prediction"])
