@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from data_table import data_table
 from wrong import table as stored
 
 from railgrip.base.errors import EstimationError
@@ -14,7 +15,6 @@ from railgrip.estimation.inspection import inspect_recording
 from railgrip.recording.delimited import cause_of_step_back
 from railgrip.recording.files import read_series
 from railgrip.recording.read import read_recording
-from railgrip.recording.table import DataTable
 
 SPEED = {"v": {"column": "v", "unit": "m/s"}}
 T = np.arange(0.0, 130.0, 0.5)
@@ -32,9 +32,8 @@ def _own_zone():
     getattr(time, "tzset", int)()
 
 
-def table(columns=None, **changes):
-    data = {"time": {"column": "t", "unit": "s"}, "period": "0.5 s", "longest_gap": "2 s", "frozen": "9 s", "spike": 8}
-    return DataTable.model_validate(data | {"columns": columns or SPEED} | changes)
+def table(columns=SPEED, **changes):
+    return data_table(columns, **{"period": "0.5 s", "longest_gap": "2 s", "frozen": "9 s"} | changes)
 
 
 def times_of(path, **changes):

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from data_table import data_table
 from hypothesis import given
 from hypothesis import strategies as st
 from wrong import table as stored
@@ -21,7 +22,6 @@ from railgrip.recording.read import read_recording
 from railgrip.recording.samples import reading_of
 from railgrip.recording.table import DataTable
 from railgrip.scenario.curve import read_curve
-from railgrip.scenario.load import validate_table
 
 PERIOD = 0.01
 SAMPLES = 40
@@ -72,8 +72,7 @@ def _header(draw: st.DrawFn, name: str, symbol: str) -> str:
 
 def table(columns: dict[str, Any], **changes: Any) -> DataTable:
     """Return a map of columns, without limits of faults: ramps are not sensors, and their rounding is not noise."""
-    written = {"time": {"column": "t"}, "period": PERIOD, "longest_gap": 0.1, "frozen": 1e3, "spike": 1e6} | changes
-    return validate_table(DataTable, written | {"columns": columns}, directory=Path(), origin="run.toml")
+    return data_table(columns, **{"time": {"column": "t"}, "frozen": 1e3, "spike": 1e6} | changes)
 
 
 @given(files())

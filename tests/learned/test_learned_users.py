@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from data_table import data_table
 from one_process import one_process
 from scipy.io import savemat
 from wrong import table as stored
@@ -19,7 +20,6 @@ from railgrip.estimation.axle_box.recordings import (
     read_recordings_file,
 )
 from railgrip.estimators.learned.trained import BOXES, GeneralEstimator, load
-from railgrip.recording.table import DataTable
 
 RATE = 5120
 SECONDS = 6.4
@@ -98,11 +98,8 @@ def test_direction_rotates_the_car(folder, dataset, tmp_path):
 def table(units="m/s**2", names=None, **changes):
     names = names or {name: name for name in UNITS}
     columns = {name: {"column": column, "unit": "m/s" if name == "speed" else units} for name, column in names.items()}
-    values = {
-        "time": {"column": "time", "unit": "s"}, "period": PERIOD, "longest_gap": 0.05, "frozen": 0.5, "spike": 20.0,
-        "columns": columns,
-    }  # fmt: skip
-    return DataTable.model_validate(values | changes)
+    values = {"time": {"column": "time", "unit": "s"}, "period": PERIOD, "frozen": 0.5, "spike": 20.0}
+    return data_table(columns, longest_gap=0.05, **values | changes)
 
 
 def one_run(folder, columns, chosen=None, suffix=".parquet"):
