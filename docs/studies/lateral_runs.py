@@ -5,7 +5,7 @@ it is valid for any distribution, including filters that diverged (infinity).
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -33,8 +33,6 @@ TITLES = {
 }
 PUBLISHED = ("lateral_velocity", "yaw_rate", "creep", "creep_force")
 """Quantities of the paper's figures; on one surface friction is constant, so its size does not scale its error."""
-ESTIMATING = ("known_track", "unknown_track")
-"""Filters with a state for friction."""
 _TESTS = {test.name: test for test in TESTS}
 TRANSITION = TESTS[-1].name
 
@@ -71,28 +69,46 @@ def interval(values: Iterable[float | None], name: str) -> dict[str, float]:
     return {name: (found[(len(found) - 1) // 2] + found[len(found) // 2]) / 2, f"{name} low": low, f"{name} high": high}
 
 
-def median(values: Iterable[float | None]) -> float:
-    """Return the median of values, one for each seed; None and NaN count as infinity."""
-    return interval(values, "median")["median"]
+RAILS = {rail.name: f"{rail.name} {rail.mu0:g}" for rail in CONDITIONS}
 
 
-def _share(run: Mapping[str, Any], name: str, quantity: str, size: str) -> float | None:
-    rmse = run["errors"][name][quantity]["rmse"]
-    return None if rmse is None else rmse / run[size][quantity]
+def measures(test: str, plant: str, seeds: int, duration: float) -> pd.DataFrame:
+    """Return a row for each seed and filter, with the RMSE of each quantity; it is infinite for a diverged filter.
+
+    `… constant` and `… size` are the RMSE of the best constant and the rms of the truth. Columns of `RAILS` have the
+    rms error of friction, infinite for a filter without an estimate of it. `lost` is when a filter was lost [s],
+    `before` and `after` its largest errors of the creep force around the first change of the surface [N].
+    """
+    rows: list[dict[str, Any]] = []
+    for seed, run in enumerate(_runs(test, plant, seeds, duration), start=1):
+        sizes = {f"{quantity} {key}": run[key][quantity] for key in ("constant", "size") for quantity in QUANTITIES}
+        for name in NAMES:
+            levels = run["levels"].get(name, {})
+            before, after = run["spike"][name] or (None, None)
+            row = {"seed": seed, "filter": TITLES[name], "before": before, "after": after}
+            row |= {"lost": run["lost"][name], "NIS": run["nis"][name]}
+            row |= {title: levels.get(rail, (None, None))[1] for rail, title in RAILS.items()}
+            rows.append(row | sizes | {quantity: run["errors"][name][quantity]["rmse"] for quantity in QUANTITIES})
+    errors = [*QUANTITIES, *RAILS.values()]
+    return pd.DataFrame(rows).astype(dict.fromkeys(errors, float)).fillna(dict.fromkeys(errors, math.inf))
+
+
+def by_filter(rows: pd.DataFrame, of: Callable[[pd.DataFrame], Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Return a row for each filter: a function of its rows of a frame."""
+    return [{"filter": name, **of(part)} for name, part in rows.groupby("filter", sort=False)]
+
+
+def shares(frame: pd.DataFrame, quantities: Iterable[str], scale: str) -> pd.DataFrame:
+    """Return the errors of quantities over `constant` or `size`, a column for each."""
+    return pd.DataFrame({each.replace("_", " "): frame[each] / frame[f"{each} {scale}"] for each in quantities})
 
 
 def skill_rows(test: str, seeds: int, duration: float) -> list[dict[str, Any]]:
     """Return the median RMSE over that of the best constant, by quantity and filter."""
-    found = _runs(test, "paper", seeds, duration)
-    return [
-        {
-            "quantity": quantity.replace("_", " "),
-            "filter": TITLES[name],
-            "ratio": median(_share(run, name, quantity, "constant") for run in found),
-        }
-        for quantity in PUBLISHED
-        for name in NAMES
-    ]
+    frame = measures(test, "paper", seeds, duration)
+    medians = shares(frame, PUBLISHED, "constant").groupby(frame["filter"], sort=False).median()
+    long = medians.melt(var_name="quantity", value_name="ratio", ignore_index=False).reset_index()
+    return long[["quantity", "filter", "ratio"]].to_dict("records")
 
 
 def typical_row(test: str, seeds: int, duration: float) -> dict[str, Any]:
@@ -100,63 +116,46 @@ def typical_row(test: str, seeds: int, duration: float) -> dict[str, Any]:
 
     A filter that diverged has an infinite error.
     """
-    found = [run["errors"]["reconstruction"]["creep_force"]["rmse"] for run in _runs(test, "paper", seeds, duration)]
-    error, seed = sorted((math.inf if rmse is None else rmse, seed) for seed, rmse in enumerate(found, 1))[
-        (len(found) - 1) // 2
-    ]
-    return {"seed": seed, "error": error}
+    frame = measures(test, "paper", seeds, duration).groupby("filter").get_group(TITLES["reconstruction"])
+    middle = frame.sort_values(["creep_force", "seed"]).iloc[(len(frame) - 1) // 2]
+    return {"seed": int(middle["seed"]), "error": middle["creep_force"]}
 
 
 def spike_rows(test: str, seeds: int, duration: float) -> list[dict[str, Any]]:
     """Return the largest error of the creep force before and after the first change of the surface, by filter [N]."""
-    spikes = {name: [run["spike"][name] for run in _runs(test, "paper", seeds, duration)] for name in NAMES}
-    return [
-        {"filter": TITLES[name]}
-        | interval((pair[0] for pair in pairs), "before")
-        | interval((pair[1] for pair in pairs), "after")
-        for name, pairs in spikes.items()
-    ]
+    frame = measures(test, "paper", seeds, duration)
+    return by_filter(frame, lambda runs: interval(runs["before"], "before") | interval(runs["after"], "after"))
 
 
 def friction_rows(plant: str, seeds: int, duration: float) -> list[dict[str, Any]]:
-    """Return the median rms error of friction by condition in the transition, by filter."""
-    found = _runs(TRANSITION, plant, seeds, duration)
-    return [
-        {"filter": TITLES[name]}
-        | {
-            f"{rail.name} {rail.mu0:g}": median(run["levels"][name].get(rail.name, (None, None))[1] for run in found)
-            for rail in CONDITIONS
-        }
-        for name in ESTIMATING
-    ]
+    """Return the median rms error of friction by condition in the transition, by filter with a state for friction."""
+    frame = measures(TRANSITION, plant, seeds, duration)
+    frame = frame[frame["filter"] != TITLES["reconstruction"]]
+    return by_filter(frame, lambda runs: runs[[*RAILS.values()]].median().to_dict())
 
 
 def innovation_rows(plant: str, seeds: int, duration: float) -> list[dict[str, Any]]:
     """Return the number of transitions in which each filter was lost, its NIS, and its friction and a constant's."""
-    found, rows = _runs(TRANSITION, plant, seeds, duration), []
-    for name in NAMES:
-        lost = [run["lost"][name] for run in found if run["lost"][name] is not None]
-        rows.append(
-            {"filter": TITLES[name], "lost": len(lost), "first": min(lost, default=None)}
-            | interval((run["nis"][name] for run in found), "NIS")
-            | interval((run["errors"][name]["friction"]["rmse"] for run in found), "friction RMSE")
-            | interval((run["constant"]["friction"] for run in found), "of the best constant")
-        )
-    return rows
+    return by_filter(
+        measures(TRANSITION, plant, seeds, duration),
+        lambda runs: (
+            {"lost": runs["lost"].count(), "first": runs["lost"].min()}
+            | interval(runs["NIS"], "NIS")
+            | interval(runs["friction"], "friction RMSE")
+            | interval(runs["friction constant"], "of the best constant")
+        ),
+    )
 
 
 def longitudinal_rows(plant: str, seeds: int, duration: float) -> list[dict[str, Any]]:
     """Return the median errors in the transition relative to the rms of the true values, by filter."""
-    found = _runs(TRANSITION, plant, seeds, duration)
-    return [
-        {"rms creep": 100 * median(run["size"]["creep"] for run in found), "filter": TITLES[name]}
-        | {
-            quantity.replace("_", " "): median(_share(run, name, quantity, "size") for run in found)
-            for quantity in ("lateral_velocity", "creep", "creep_force", "friction")
-        }
-        | {"lost": sum(run["lost"][name] is not None for run in found)}
-        for name in NAMES
-    ]
+    frame = measures(TRANSITION, plant, seeds, duration)
+    relative = shares(frame, ("lateral_velocity", "creep", "creep_force", "friction"), "size")
+    rows = by_filter(
+        relative.join(frame[["filter", "lost"]]),
+        lambda runs: runs[relative.columns].median().to_dict() | {"lost": runs["lost"].count()},
+    )
+    return [{"rms creep": 100 * frame["creep size"].median()} | row for row in rows]
 
 
 def observed_rows(seeds: int, duration: float) -> list[dict[str, Any]]:
@@ -164,16 +163,16 @@ def observed_rows(seeds: int, duration: float) -> list[dict[str, Any]]:
 
     Short windows of readings in the transition inform on the states; `determined` is the share that determines all.
     """
-    runs = over_seeds(information, TRANSITION, "paper", seeds, duration)
-    rows: list[dict[str, Any]] = []
-    for number, condition in enumerate(CONDITIONS):
-        shares = np.concatenate([(run.short / run.size)[run.condition == number] for run in runs])
-        ranks = np.concatenate([run.rank[run.condition == number] for run in runs])
-        row = {"condition": condition.name, "windows": len(ranks), "determined": 100 * float(np.mean(ranks == 5))}
-        for name, of_state in zip(("creep", "friction", "force"), 100 * shares.T, strict=True):
-            row |= {name: float(np.median(of_state)), f"{name} 90": float(np.quantile(of_state, 0.9))}
-        rows.append(row)
-    return rows
+    states = ["creep", "friction", "force"]
+    windows = pd.concat(
+        pd.DataFrame(100 * run.short / run.size, columns=states).assign(determined=run.rank == 5, rail=run.condition)
+        for run in over_seeds(information, TRANSITION, "paper", seeds, duration)
+    )
+    return [
+        {"condition": CONDITIONS[int(number)].name, "windows": len(part), "determined": 100 * part["determined"].mean()}
+        | {f"{state}{end}": part[state].quantile(level) for state in states for end, level in (("", 0.5), (" 90", 0.9))}
+        for number, part in windows.groupby("rail")
+    ]
 
 
 def refused_rows(seeds: int, duration: float) -> list[dict[str, Any]]:
@@ -186,42 +185,34 @@ def refused_rows(seeds: int, duration: float) -> list[dict[str, Any]]:
     ]
 
 
-def _errors(test: str, plant: str, seeds: int, duration: float) -> Any:
-    """Return the errors of each filter over the seeds, grouped by filter; see `errors_of_filter`."""
+def _errors(test: str, plant: str, seeds: int, duration: float) -> pd.DataFrame:
+    """Return the errors of each filter and seed, with the titles of filters; see `errors_of_filter`."""
     rows = [row for rows in over_seeds(errors_of_run, test, plant, seeds, duration) for row in rows]
-    return pd.DataFrame(rows).groupby("filter", sort=False)
+    return pd.DataFrame(rows).replace({"filter": TITLES})
 
 
 def stiffness_rows(plant: str, seeds: int, duration: float) -> list[dict[str, Any]]:
     """Return the errors in the transition of the filters without and with an estimate of the stiffness."""
-    return [
-        {"filter": TITLES[str(name)]}
-        | interval(errors["rmse"], "RMSE of μ0")
-        | {
-            "coverage": errors["coverage"].mean(),
-            "friction known": errors["known"].mean(),
-            "RMSE of stiffness": errors["stiffness"].median(),
-            "its coverage": errors["stiffness_coverage"].mean(),
-        }
-        for name, errors in _errors(TRANSITION, plant, seeds, duration)
-    ]
+    return by_filter(
+        _errors(TRANSITION, plant, seeds, duration),
+        lambda errors: (
+            interval(errors["rmse"], "RMSE of μ0")
+            | {"coverage": errors["coverage"].mean(), "friction known": errors["known"].mean()}
+            | {"RMSE of stiffness": errors["stiffness"].median(), "its coverage": errors["stiffness_coverage"].mean()}
+        ),
+    )
 
 
 def known_rows(rail: str, plant: str, seeds: int, duration: float) -> list[dict[str, Any]]:
     """Return when the filters with an estimate of stiffness know friction; see `errors_of_filter`."""
-    return [
-        {
-            "filter": TITLES[str(name)],
-            "force used": errors["used"].mean(),
-            "σ(log μ0)": errors["deviation"].median(),
-            "correlation": errors["correlation"].median(),
-            "friction known": errors["known"].mean(),
-            "coverage while known": errors["coverage_known"].mean(),
-            "while not": errors["coverage_unknown"].mean(),
-        }
-        for name, errors in _errors(rail, plant, seeds, duration)
-        if str(name).endswith("stiffness")
-    ]
+    columns = {
+        "force used": ("used", "mean"), "σ(log μ0)": ("deviation", "median"), "correlation": ("correlation", "median"),
+        "friction known": ("known", "mean"), "coverage while known": ("coverage_known", "mean"),
+        "while not": ("coverage_unknown", "mean"),
+    }  # fmt: skip
+    errors = _errors(rail, plant, seeds, duration)
+    found = errors[errors["filter"].str.startswith("stiffness")].groupby("filter", sort=False).agg(**columns)
+    return found.reset_index().to_dict("records")
 
 
 def compared_row(seed: int, duration: float) -> dict[str, float]:
