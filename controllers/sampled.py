@@ -7,7 +7,7 @@ results. Conditions select values instead of branches: `choose` takes the place 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property, reduce
-from typing import Any
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -44,6 +44,21 @@ class FormulaBuilder:
         self._variables: dict[str, list[Variable]] = {kind: [] for kind in kinds}
         self._expressions: dict[str, list[Expression]] = {kind: [] for kind in kinds}
         self._following: dict[str, Expression] = {}
+
+    @classmethod
+    def reopen(cls, formula: SampledSystem) -> tuple["FormulaBuilder", list[Expression]]:
+        """Return a draft with the states, inputs and parameters of a formula, and the values of its outputs."""
+        draft = cls()
+        kinds = {"state": formula.states, "input": formula.inputs, "parameter": formula.parameters}
+        vectors = [ca.vertcat(*(draft._symbol(kind, each) for each in of_kind)) for kind, of_kind in kinds.items()]
+        following, outputs = formula.step(*map(ca.SX, vectors))
+        for state, value in zip(draft._expressions["state"], ca.vertsplit(following), strict=True):
+            draft.keep(state, value)
+        return draft, ca.vertsplit(outputs)
+
+    def symbols(self, kind: Literal["input", "parameter"]) -> dict[str, Expression]:
+        """Return the symbols of a kind by name."""
+        return {symbol.name(): symbol for symbol in self._expressions[kind]}
 
     def input(self, name: str, unit: str, description: str) -> Expression:
         """Return the symbol of a new input."""

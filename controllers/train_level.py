@@ -1,15 +1,12 @@
 """Decisions on top of a law's demands for its groups: limits, shared valves, redistribution, releases that end."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from functools import reduce
 from itertools import accumulate
 from operator import add
 from typing import Literal
 
-import casadi as ca
-
-from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers.law import GroupObservation, Law, by_name, pressure_for
 from railgrip.controllers.law import law as formula_of_law
 from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, every, time_release
@@ -45,11 +42,11 @@ def pass_through(groups: Sequence[Brake]) -> Law:
 
 def within_brake(law: Law, groups: Sequence[Brake]) -> Law:
     """Return a law whose demands are limited to 0 … pressure_max; a demand of NaN becomes full pressure."""
-    demands, following, symbols = _open_formula(law.formula)
-    parameters = _by_name(law.formula.parameters, symbols[2])
+    draft, demands = FormulaBuilder.reopen(law.formula)
+    parameters = draft.symbols("parameter")
     most = [parameters[f"pressure_max[{g}]"] for g in range(1, len(demands) + 1)]
     limited = [choose(p <= 0.0, 0.0, choose(p < full, p, full)) for p, full in zip(demands, most, strict=True)]
-    return _law(law, groups, replace(law.formula, step=_step(symbols, following, limited)))
+    return _law(law, groups, draft, limited)
 
 
 def with_shared_valves(law: Law, groups: Sequence[Brake], groups_per_valve: Sequence[int], choice: Choice) -> Law:
@@ -57,8 +54,8 @@ def with_shared_valves(law: Law, groups: Sequence[Brake], groups_per_valve: Sequ
 
     The valve fills or vents all of its cylinders at once, and their highest pressures may differ.
     """
-    demands, following, symbols = _open_formula(law.formula)
-    parameters = _by_name(law.formula.parameters, symbols[2])
+    draft, demands = FormulaBuilder.reopen(law.formula)
+    parameters = draft.symbols("parameter")
     shared: list[Expression] = []
     for end, count in zip(accumulate(groups_per_valve), groups_per_valve, strict=True):
         members = range(end - count, end)
@@ -67,7 +64,7 @@ def with_shared_valves(law: Law, groups: Sequence[Brake], groups_per_valve: Sequ
         share = reduce(add, shares) / count if choice == "mean" else reduce(_lower, shares)
         # With one group per valve the demand must not change by rounding.
         shared += [share * pressure for pressure in full] if count > 1 else [demands[end - 1]]
-    return _law(law, groups, replace(law.formula, step=_step(symbols, following, shared)))
+    return _law(law, groups, draft, shared)
 
 
 def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adhesion_max: float) -> Law:
@@ -79,8 +76,8 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
     reserve. The loop must not limit the results to the driver's demand again: single groups exceed it, the train does
     not.
     """
-    demands, following, symbols = _open_formula(law.formula)
-    inputs, parameters = _by_name(law.formula.inputs, symbols[1]), _by_name(law.formula.parameters, symbols[2])
+    draft, demands = FormulaBuilder.reopen(law.formula)
+    inputs, parameters = draft.symbols("input"), draft.symbols("parameter")
     missing, available = 0.0, 0.0
     granted: list[Expression] = []
     reserves: list[Expression] = []
@@ -99,14 +96,12 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
         missing, available = missing + gain * (request - grant), available + gain * reserve
         granted.append(grant)
         reserves.append(reserve)
-    last = ca.SX.sym("missing")
+    last = draft.state("missing", "N", "force that groups cannot give, filtered")
     filtered = last + period / (T_REDISTRIBUTION + period) * (missing - last)
+    draft.keep(last, filtered)
     share = choose(filtered < available, filtered / choose(available > 0.0, available, 1.0), 1.0)
     results = [grant + share * reserve for grant, reserve in zip(granted, reserves, strict=True)]
-    state = Variable(name="missing", unit="N", description="force that groups cannot give, filtered")
-    formula = replace(law.formula, states=(*law.formula.states, state))
-    extended = (ca.vertcat(symbols[0], last), *symbols[1:])
-    return _law(law, groups, replace(formula, step=_step(extended, ca.vertcat(following, filtered), results)))
+    return _law(law, groups, draft, results)
 
 
 def with_release_limit(law: Law, groups: Sequence[Brake], *, period: float, release_max: float) -> Law:
@@ -115,52 +110,29 @@ def with_release_limit(law: Law, groups: Sequence[Brake], *, period: float, rele
     The group is braked for `T_APPLIED`, whatever the law demands; then it may be released again. It is for what a law
     cannot notice itself, such as a dead speed sensor. EN 15595 requires a monitor of wheel-slide protection.
     """
-    demands, following, symbols = _open_formula(law.formula)
-    inputs = _by_name(law.formula.inputs, symbols[1])
-    states = [
-        Variable(name=f"release_time[{g}]", unit="s", description="since the begin of a release")
-        for g in range(1, len(demands) + 1)
-    ]
-    times = ca.SX.sym("release_time", len(demands))
-    results, onwards = list[Expression](), list[Expression]()
-    for g, demand in enumerate(demands):
-        time, request = times[g], inputs[f"driver_demand[{g + 1}]"]
+    draft, demands = FormulaBuilder.reopen(law.formula)
+    inputs, results = draft.symbols("input"), list[Expression]()
+    for g, demand in enumerate(demands, start=1):
+        time = draft.state(f"release_time[{g}]", "s", "since the begin of a release")
+        request = inputs[f"driver_demand[{g}]"]
         is_released = demand < RELEASED * request
         results.append(choose(every(time >= release_max, demand < request), request, demand))
-        onwards.append(time_release(time, is_released, period=period, longest=release_max, applied=T_APPLIED))
-    formula = replace(law.formula, states=(*law.formula.states, *states))
-    extended = (ca.vertcat(symbols[0], times), *symbols[1:])
-    return _law(law, groups, replace(formula, step=_step(extended, ca.vertcat(following, *onwards), results)))
+        draft.keep(time, time_release(time, is_released, period=period, longest=release_max, applied=T_APPLIED))
+    return _law(law, groups, draft, results)
 
 
 def _lower(this: Expression, other: Expression) -> Expression:
     return choose(this < other, this, other)
 
 
-def _open_formula(
-    formula: SampledSystem,
-) -> tuple[list[Expression], Expression, tuple[Expression, Expression, Expression]]:
-    """Return the demands, the states after the call, and the symbols of states, inputs and parameters."""
-    sizes = (len(formula.states), len(formula.inputs), len(formula.parameters))
-    symbols = tuple(ca.SX.sym(name, size) for name, size in zip("xup", sizes, strict=True))
-    following, demands = formula.step(*symbols)
-    return ca.vertsplit(demands), following, symbols  # pyright: ignore[reportReturnType]
-
-
-def _by_name(variables: Sequence[Variable], symbols: Expression) -> dict[str, Expression]:
-    return {variable.name: symbols[i] for i, variable in enumerate(variables)}
-
-
-def _step(symbols: Sequence[Expression], following: Expression, demands: Sequence[Expression]) -> ca.Function:
-    results = [ca.densify(each) for each in (following, ca.vertcat(*demands))]
-    return ca.Function("step", list(symbols), results, {"cse": True})
-
-
-def _law(law: Law, groups: Sequence[Brake], formula: SampledSystem) -> Law:
+def _law(law: Law, groups: Sequence[Brake], draft: FormulaBuilder, demands: Sequence[Expression]) -> Law:
+    for output, demand in zip(law.formula.outputs, demands, strict=True):
+        draft.output(output.name, output.unit, output.description, demand)
     # The data of `groups` replace those that the law was made with.
     brakes = by_name(groups)
     values = dict(zip((variable.name for variable in law.formula.parameters), law.parameters.tolist(), strict=True))
-    wrapped = Law(formula, groups, {name: value for name, value in values.items() if name not in brakes})
+    own = {name: value for name, value in values.items() if name not in brakes}
+    wrapped = Law(draft.formula(law.formula.name, law.formula.description), groups, own)
     wrapped.needs = law.needs
     # The states of the law come first. Their start values may follow from its parameters, not from the formula.
     wrapped.state[: law.state.size] = law.state
