@@ -8,6 +8,8 @@ from pathlib import Path
 from sys import float_info
 from typing import Annotated, ClassVar
 
+import casadi as ca
+
 from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem
 from railgrip.base.units import short
@@ -84,6 +86,18 @@ class SetSlipTuning(Tuning):
     speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
 
     ORDER: ClassVar[tuple[str, ...]] = ("slip_least <= slip_start <= slip_most < 1",)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DitheredSlipTuning(SetSlipTuning):
+    """Parameters of a law that excites its set slip by a sine, and climbs the slope of adhesion that this reveals."""
+
+    dither: Annotated[float, "1", "amplitude of the dither over the set slip"]
+    frequency: Annotated[float, "Hz", "of the dither"]
+    washout_time: Annotated[float, "s", "time constant of the high-pass of the signals"]
+    climb: Annotated[float, "1/s", "relative rate of the set slip for an elasticity of 1"]
+
+    ORDER: ClassVar[tuple[str, ...]] = (*SetSlipTuning.ORDER, "dither < 1; it is a share of the set slip")
 
 
 NO_PARAMETERS = Tuning()
@@ -284,6 +298,18 @@ class SetSlipLaw(GroupLaw):
         """Control `groups` with one `tuning`; the set slip starts at its `slip_start`."""
         super().__init__(groups, tuning)
         self.state[[quantity.name.startswith("set_slip") for quantity in self.formula.states]] = tuning.slip_start
+
+
+class DitheredSlipLaw(SetSlipLaw):
+    """A law whose groups add a dither to their set slip; its sine is in their parameters, as `wave`."""
+
+    @classmethod
+    def demands(cls, draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:
+        """Return the demanded pressure of each group [Pa]."""
+        turn = draft.state("turn", "1", "phase of the dither over a whole turn")
+        following = turn + tuning["frequency"] * tuning["period"]
+        draft.keep(turn, following - ca.floor(following))
+        return super().demands(draft, {**tuning, "wave": ca.sin(2.0 * ca.pi * turn)}, train)
 
 
 def by_name(groups: Sequence[Brake]) -> dict[str, float]:

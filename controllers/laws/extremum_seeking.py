@@ -1,37 +1,28 @@
 """Extremum seeking as in the literature: the set slip is dithered and moves in the direction of higher adhesion."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import ClassVar
 
-import casadi as ca
-
-from railgrip.controllers.law import GroupObservation, Ranges, SetSlipLaw, SetSlipTuning
+from railgrip.controllers.law import DitheredSlipLaw, DitheredSlipTuning, GroupObservation, Ranges
 from railgrip.controllers.laws.constant_slip import slip_control
 from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, within
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ExtremumSeekingTuning(SetSlipTuning):
+class ExtremumSeekingTuning(DitheredSlipTuning):
     """Parameters of extremum seeking."""
-
-    dither: Annotated[float, "1", "amplitude of the dither over the set slip"]
-    frequency: Annotated[float, "Hz", "of the dither"]
-    washout_time: Annotated[float, "s", "time constant of the high-pass over the adhesion"]
-    climb: Annotated[float, "1/s", "relative rate of the set slip for an elasticity of 1"]
 
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
         {"period", "slip_start", "slip_least", "dither", "frequency", "integral_time", "adhesion_small"}
     )
-    ORDER: ClassVar[tuple[str, ...]] = (*SetSlipTuning.ORDER, "dither < 1; it is a share of the set slip")
 
     def __post_init__(self) -> None:
         """Check the parameters.
 
         Raises:
-            ValueError: See `SetSlipTuning`; or the dither is too fast for the period.
+            ValueError: See `Tuning`; or the dither is too fast for the period.
         """
-        SetSlipTuning.__post_init__(self)
+        DitheredSlipTuning.__post_init__(self)
         if self.frequency * self.period >= 0.25:
             raise ValueError(
                 f"ExtremumSeeking: frequency {self.frequency} Hz leaves less than four decisions of {self.period} s to "
@@ -39,7 +30,7 @@ class ExtremumSeekingTuning(SetSlipTuning):
             )
 
 
-class ExtremumSeeking(SetSlipLaw):
+class ExtremumSeeking(DitheredSlipLaw):
     """Extremum seeking with sinusoidal dither, washout and demodulation; an inner PI loop controls the slip.
 
     Per group, with estimated adhesion α:
@@ -66,15 +57,6 @@ class ExtremumSeeking(SetSlipLaw):
             "integral_time": (0.1, 2.0),
         }
     }
-
-    @classmethod
-    def demands(cls, draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:
-        """Return the demanded pressure of each group [Pa]."""
-        turn = draft.state("turn", "1", "phase of the dither over a whole turn")
-        following = turn + tuning["frequency"] * tuning["period"]
-        draft.keep(turn, choose(following >= 1.0, following - 1.0, following))
-        wave = ca.sin(2.0 * ca.pi * turn)
-        return super().demands(draft, {**tuning, "wave": wave}, train)
 
     @classmethod
     def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:

@@ -4,36 +4,30 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-import casadi as ca
-
-from railgrip.controllers.law import GroupObservation, Ranges, SetSlipLaw, SetSlipTuning
+from railgrip.controllers.law import DitheredSlipLaw, DitheredSlipTuning, GroupObservation, Ranges
 from railgrip.controllers.laws.constant_slip import slip_control
 from railgrip.controllers.sampled import Expression, FormulaBuilder, Symbols, choose, every, within
 from railgrip.vehicle.brake import Brake
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RecursiveSlopeTuning(SetSlipTuning):
+class RecursiveSlopeTuning(DitheredSlipTuning):
     """Parameters of tracking by recursive least squares.
 
     `covariance_max` limits the growth of the covariance while the slip
     does not change.
     """
 
-    washout_time: Annotated[float, "s", "time constant of the high-pass of slip and adhesion"]
     memory: Annotated[float, "s", "time constant of forgetting"]
     covariance_max: Annotated[float, "1", "maximum of the covariance of the slope over the noise"] = 1e3
-    dither: Annotated[float, "1", "relative amplitude of the excitation of the set slip"]
-    frequency: Annotated[float, "Hz", "of the excitation"] = 1.0
-    climb: Annotated[float, "1/s", "relative rate of the set slip for an elasticity of 1"]
+    frequency: Annotated[float, "Hz", "of the dither"] = 1.0
 
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
         {"period", "slip_start", "slip_least", "memory", "covariance_max", "integral_time", "adhesion_small"}
     )
-    ORDER: ClassVar[tuple[str, ...]] = (*SetSlipTuning.ORDER, "dither < 1; it is a share of the set slip")
 
 
-class RecursiveSlope(SetSlipLaw):
+class RecursiveSlope(DitheredSlipLaw):
     """Gradient tracking of the maximum adhesion; PI control holds the slip.
 
     Per group, with x and y the high-pass filtered relative slip s/s_set and relative adhesion α/ᾱ, the elasticity
@@ -68,21 +62,12 @@ class RecursiveSlope(SetSlipLaw):
         self.state[[quantity.name.startswith("covariance") for quantity in self.formula.states]] = tuning.covariance_max
 
     @classmethod
-    def demands(cls, draft: FormulaBuilder, tuning: Symbols, train: Sequence[GroupObservation]) -> list[Expression]:
-        """Return the demanded pressure of each group [Pa]."""
-        turn = draft.state("turn", "1", "phase of the excitation over a whole turn")
-        following = turn + tuning["frequency"] * tuning["period"]
-        draft.keep(turn, following - ca.floor(following))
-        wave = ca.sin(2.0 * ca.pi * turn)
-        return super().demands(draft, {**tuning, "wave": wave}, train)
-
-    @classmethod
     def demand(cls, draft: FormulaBuilder, tuning: Symbols, group: GroupObservation) -> Expression:
         """Return the demanded pressure of one group [Pa]."""
         period = tuning["period"]
         share = period / (tuning["washout_time"] + period)
         forgetting = tuning["memory"] / (tuning["memory"] + period)
-        slip = draft.state(group.label("set_slip"), "1", "set slip without the excitation")
+        slip = draft.state(group.label("set_slip"), "1", "set slip without the dither")
         last_slip = draft.state(group.label("steady_slip"), "1", "low-pass filtered slip")
         last_adhesion = draft.state(group.label("steady_adhesion"), "1", "low-pass filtered adhesion")
         elasticity = draft.state(group.label("elasticity"), "1", "estimate of d ln α/d ln s")
