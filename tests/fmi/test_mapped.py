@@ -178,7 +178,8 @@ def test_units_and_signs_refuted_by_a_run_are_corrected_and_reported(factors):
     assert [finding for finding in draft.findings if not finding.good] == []
     gains = Train(factors, draft.table).gain
     assert gains == pytest.approx(dict.fromkeys(UNITS, 1.0), rel=1e-6)
-    assert {sentence.split()[0] for sentence in draft.corrections} == factors.keys()
+    printed = [line.split() for line in draft.lines()]
+    assert {words[2] for words in printed if words[:2] == ["#", "corrected:"]} == factors.keys()
     assert draft.nominal["r_wheel"] == pytest.approx([RADIUS] * 2, rel=1e-6)
 
 
