@@ -181,12 +181,3 @@ def test_below_its_lowest_speed_the_reference_does_not_act_on_the_brake():
 def test_an_invalid_tuning_is_refused(change, sentence):
     with pytest.raises(ValueError, match=sentence):
         change()
-
-
-@pytest.mark.parametrize("actuation", ["ideal", "pneumatic"])
-@pytest.mark.parametrize(
-    "law", [WheelReference, ConstantSlip, ExtremumSeeking, PerturbObserve, RecursiveSlope, FuzzySlip]
-)
-def test_every_law_has_a_complete_set_for_each_actuation(law, actuation):
-    for slip in ("read", "estimated"):
-        law.load_tuning(actuation, slip, period=PERIOD)

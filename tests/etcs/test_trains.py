@@ -5,16 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from deviating_train import KEYS, deviating
 from scipy.stats import binom, norm
 from small_train import electric_tables
 from synthetic import POSITION_R
 
 from railgrip.base.errors import InputError
 from railgrip.base.registry import shelf
-from railgrip.rolling_stock import schema
 from railgrip.rolling_stock.dispersion import Failures, Normal
-from railgrip.rolling_stock.schema import load_train, train_of
-from railgrip.rolling_stock.stopping import by_hand
+from railgrip.rolling_stock.schema import NAMED, load_train, train_of
+from railgrip.rolling_stock.stopping import by_hand, full_brake_force
 from railgrip.scenario.quantity import Magnitude
 from railgrip.supervision.curve import braking_curve
 from railgrip.supervision.dispersed import TrainBrake, speed_steps
@@ -22,9 +22,7 @@ from railgrip.supervision.k_dry import PROBABILITIES, k_factors
 from railgrip.supervision.limits import BrakingCase, brake_on_line
 from railgrip.supervision.line import load_line
 from railgrip.supervision.national import NationalValues
-from railgrip.supervision.trains import data_of, model_of_train
-
-SPEEDS = {"vt642": 120, "emu387": 120, "loco_coaches": 160, "tram": 50}
+from railgrip.supervision.trains import data_of, maximum_speed, model_of_train
 
 
 def dispersion(quantity, per="train", deviation="5 %"):
@@ -39,8 +37,8 @@ def failures(isolated=0.0, stuck=0.0, beta=0.0):
 
 def brake_of(name, *of, **more):
     train = load_train(Path(name))
-    speed = SPEEDS[name] / 3.6
-    return TrainBrake(train, of or data_of(train).dispersion, more.get("speeds") or speed_steps(train, speed))
+    speeds = more.get("speeds") or speed_steps(train, maximum_speed(train))
+    return TrainBrake(train, of or data_of(train).dispersion, speeds)
 
 
 def ratios_of(brake, draws):
@@ -48,11 +46,11 @@ def ratios_of(brake, draws):
     return brake.ratios([int(np.sum(n)) for n in brake.units], np.asarray(draws))
 
 
-@pytest.mark.parametrize("name", [*SPEEDS])
+@pytest.mark.parametrize("name", NAMED)
 def test_deceleration_and_build_up_reproduce_the_stop_by_hand(name):
     """4 parts of a step of speed, and 1 cm of the time steps of the calculation by hand."""
-    train, speed = load_train(Path(name)), SPEEDS[name] / 3.6
-    brake, stop = brake_of(name), by_hand(train, speed)
+    brake, train = brake_of(name), load_train(Path(name))
+    stop = by_hand(train, maximum_speed(train))
     assert brake.distance == pytest.approx(stop.distance, abs=0.1)
     assert brake.equivalent_time == pytest.approx(stop.equivalent_time)
     # Magnets brake more the slower the train: an error of four parts, 5 cm here.
@@ -127,13 +125,6 @@ def electric_train(*, blending, force):
     return train_of(tables, "electric.toml")
 
 
-def friction_of(train):
-    """Return the force of the friction brakes of eight axles [N]."""
-    (unit,) = train.brakes.values()
-    pads = unit.efficiency * unit.rigging * (unit.pressure_max * unit.piston_area - unit.spring_force)
-    return 16 * pads * unit.pad_friction * unit.friction_radius / train.bogies["motor"].wheel_radius
-
-
 FASTER = 10.0, 9.999, 0.0
 """A step of speed above the fade-out of motors, whose forces are constant there."""
 
@@ -144,7 +135,7 @@ FASTER = 10.0, 9.999, 0.0
 def test_pads_and_motors_have_the_dispersion_of_their_own_force(blending, force):
     """K = 1 − 5 % z F/(F_friction + F_motors), forces by plain arithmetic: motors at four of eight axles."""
     train, motors = electric_train(blending=blending, force=force), 4 * 1e3 * float(force.split()[0])
-    friction = friction_of(train) if blending == "added" else friction_of(train) - motors
+    friction = full_brake_force(train).sum() if blending == "added" else full_brake_force(train).sum() - motors
     assert friction > 0
     for quantity, part in (("pad_friction", friction), ("dynamic_brake", motors)):
         brake = TrainBrake(train, (dispersion(quantity),), FASTER)
@@ -177,29 +168,16 @@ def test_motors_that_add_their_force_and_are_off_lack_it():
     """Without them the ratio is that of the forces, since rotating masses are the same."""
     train = electric_train(blending="added", force="9 kN")
     brake = TrainBrake(train, (dispersion("mass"),), FASTER)
-    friction = friction_of(train)
+    friction = full_brake_force(train).sum()
     assert brake.without is not None
     ratio = ratios_of(brake.without, np.zeros((1, 1)))[0, 1]
     assert ratio == pytest.approx(friction / (friction + 36e3), rel=1e-6)
 
 
-SENSE = {
-    "pad_friction": 1, "pressure": 1, "efficiency": 1, "friction_radius": 1, "wheel_radius": -1, "mass": -1,
-    "track_brake": 1,
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("quantity", [*SENSE, "build_up"])
-def test_each_deviation_has_the_right_sign_and_its_size(quantity):
-    brake = brake_of("tram", dispersion(quantity, deviation="0.1 bar" if quantity == "pressure" else "5 %"))
-    change = ratios_of(brake, [[0.1]])[0] - 1
-    if quantity == "build_up":
-        assert change[:-1] == pytest.approx(np.zeros(len(change) - 1), abs=1e-12)
-        assert change[-1] < 0
-        return
-    assert (change * SENSE[quantity] > 0).all()
-    if quantity in ("mass", "efficiency"):
-        assert np.abs(change) == pytest.approx(0.005, rel=0.6)  # of the force or mass, a share of the whole
+def test_a_build_up_that_deviates_changes_the_whole_stop_alone():
+    change = ratios_of(brake_of("tram", dispersion("build_up")), [[0.1]])[0] - 1
+    assert change[:-1] == pytest.approx(np.zeros(len(change) - 1), abs=1e-12)
+    assert change[-1] < 0
 
 
 def test_build_ups_of_groups_have_the_effect_of_their_mean_over_the_units():
@@ -266,26 +244,22 @@ def test_two_stages_of_the_distributor_are_steps_of_the_brake():
     assert brake.nominal[0] == pytest.approx(by_hand(train, 30 / 3.6).deceleration, rel=0.05)
 
 
-@pytest.mark.parametrize(("quantity", "deviation", "key"), [("pad_friction", "10 %", "pad_friction"),
-                                                          ("pressure", "0.2 bar", "pressure_max"),
-                                                          ("efficiency", "-15 %", "efficiency")])  # fmt: skip
-def test_a_deviation_of_blocks_has_the_effect_of_the_changed_train(quantity, deviation, key):
+@pytest.mark.parametrize(
+    ("name", "quantity", "value"),
+    [
+        ("shunting_train", "pad_friction", 0.1),
+        ("shunting_train", "pressure", 0.2e5),
+        ("shunting_train", "efficiency", -0.15),
+        *(("tram", quantity, 0.5e5 if quantity == "pressure" else -0.15) for quantity in KEYS),
+    ],
+)
+def test_a_deviation_has_the_effect_of_the_changed_train(name, quantity, value):
     """The friction of a block falls with its force and its speed. Steps of the calculation by hand are 1e-4 of it."""
-    file = Path(__file__).parents[2] / "harness/scenario/trains/shunting_train.toml"
-    tables = tomllib.loads(file.read_text(encoding="utf-8"))
-    train = train_of(tables, "shunting.toml")
-    friction = {bogie.data.brake: bogie.pad_friction for bogie in train.bogies_in_train}
-    for name, brake in tables["brakes"].items():
-        nominal = {**train.brakes[name].model_dump(), "pad_friction": friction[name]}[key]
-        number = float(deviation.split()[0])
-        brake[key] = f"{nominal + 1e5 * number} Pa" if key == "pressure_max" else nominal * (1 + number / 100)
-    one = Normal(
-        quantity=quantity, per="train", source="a test", kind="normal", deviation=Magnitude(deviation.strip("-"))
-    )
-    speeds = speed_steps(train, 25 / 3.6)
-    brake, changed = (TrainBrake(of, (one,), speeds) for of in (train, train_of(tables, "changed.toml")))
-    sign = -1.0 if deviation.startswith("-") else 1.0
-    (ratios,) = brake.ratios([sum(units) for units in brake.units], np.array([[sign]]))
+    train = load_train(Path(name))
+    one = dispersion(quantity, deviation=f"{abs(value)} {'Pa' if quantity == 'pressure' else '1'}")
+    speeds = speed_steps(train, maximum_speed(train))
+    brake, changed = (TrainBrake(of, (one,), speeds) for of in (train, deviating(train, quantity, value)))
+    (ratios,) = ratios_of(brake, [[np.sign(value)]])
     assert ratios[:-1] == pytest.approx(changed.nominal[:-1] / brake.nominal[:-1], rel=1e-3)
     assert abs(ratios[0] - 1) > 0.03
 
@@ -303,7 +277,3 @@ def test_a_train_that_does_not_stop_is_refused():
     )
     with pytest.raises(InputError, match="do not stop"):
         model_of_train(train_of(tables, "tram.toml"), NationalValues())
-
-
-def test_names_of_the_package_stay_those_of_the_scenario():
-    assert set(SPEEDS) == set(schema.NAMED)

@@ -125,29 +125,6 @@ def test_fewer_units_brake_less_and_draws_together_equal_single_ones(brake, seed
     assert whole == pytest.approx(one_by_one, rel=1e-12)
 
 
-# sign of the effect of a larger value on the deceleration of every step
-SENSE = {"pad_friction": 1, "pressure": 1, "efficiency": 1, "friction_radius": 1, "wheel_radius": -1, "mass": -1}
-
-
-@given(seed=st.integers(0, 2**32))
-def test_each_deviation_has_the_right_sign(vt642, seed):
-    specification, _, brake = vt642
-    standard = np.random.default_rng(seed).standard_normal(brake.dimension)
-    widths = {"train": 1, "group": len(brake.units), "unit": sum(brake.units)}
-    first = 0
-    for one in specification.dispersion:
-        shifted_draw = standard.copy()
-        shifted_draw[first : first + widths[one.per]] += 0.1
-        first += widths[one.per]
-        change = np.diff(brake.ratios(brake.units, np.stack([standard, shifted_draw])), axis=0)[0]
-        if one.quantity == "build_up":  # occurs only in the whole stop
-            assert change[:-1] == pytest.approx(np.zeros(3), abs=1e-15)
-            assert change[-1] < 0
-        else:
-            assert (change * SENSE[one.quantity] > 0).all()
-    assert first == brake.dimension
-
-
 def test_a_brake_without_any_units_is_slowed_by_resistance(brake):
     """Over a step s = M/(2C) ln((A + C v₁²)/(A + C v₂²)) with resistance A + C v²."""
     new_wheels = np.where(np.arange(brake.dimension) < brake.dimension - 2, 8.0, 0.0)  # mass and build-up are last

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from deviating_train import deviating
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.text import Text
 from train_stops import dry_scenario
@@ -406,37 +407,6 @@ def test_the_scatter_of_a_train_is_the_published_one(position, mean, deviation):
     assert figures["standard deviation"] == pytest.approx(deviation, rel=0.1)
 
 
-@pytest.mark.parametrize("position", ["P", "G"])
-def test_the_scatter_is_that_of_independent_integration(position):
-    """The equations of the source with the force of the locomotive counted once, 4000 draws of five wagons."""
-    random = np.random.default_rng(5)
-    wagons = np.arange(5)
-    filling, spread = {"P": (4.0, 0.33), "G": (24.0, 2.0)}[position]
-    inshot = 0.1 if position == "G" else 0.0
-
-    def draw(mean, sigma):
-        return random.normal(mean, sigma, (4000, 5))
-
-    force = (draw(3.8e5, 5e3) * np.pi * 0.406**2 / 4 - 1500) * 5.65
-    factor = draw(0.83, 0.02) * draw(1, 0.025)
-    times = draw(filling, spread) + (10.5 + 14 * wagons) / 250
-    v, s, time, step = np.full(4000, 25 / 3.6), np.zeros(4000), 0.0, 0.05
-    while (v > 0).any():
-        share = np.minimum(inshot + (1 - inshot) * time / times, 1)
-        of_locomotive = 45580 * min(inshot + (1 - inshot) * time / filling, 1)
-        block = force * share / 16
-        friction = 0.055 * (block + 200e3) / (block + 50e3) * ((v + 150 / 3.6) / (v + 75 / 3.6))[:, None]
-        braking = (16 * block * friction * factor).sum(axis=1) + of_locomotive
-        braking += (1.6e-3 + 5.7e-3 * (v / 27.8) ** 2) * 450e3 * 9.81
-        v = np.maximum(v - braking / (53e3 + 1.04 * 450e3) * step, 0)
-        s += v * step
-        time += step
-    train = drawn(position)
-    figures = scatter(train, 25 / 3.6, train.dispersion, draws=600, seed=1).figures
-    assert figures["standard deviation"] == pytest.approx(s.std(), rel=0.12)
-    assert figures["mean"] == pytest.approx(s.mean(), rel=0.01)
-
-
 @pytest.mark.parametrize("name", ["vt642", "loco_coaches", "eanos_wagon", "two_car_unit", "tram"])
 def test_draws_without_deviation_are_the_stop_by_hand(name):
     """Magnets, two-stage distributors, blocks and build-ups of bogies: the same equations, over draws at once."""
@@ -455,18 +425,12 @@ def test_a_draw_is_a_train_with_that_datum(quantity):
     tables["dispersion"] = [{"quantity": quantity, "per": per, "kind": "uniform", "source": "test", **limits}]
     train = train_of(tables, "unit.toml")
     stops = scatter(train, 100 / 3.6, train.dispersion, draws=2, seed=1).distances
-    changed = train.model_dump(exclude={"dispersion"}, exclude_none=True)
-    for brake in changed["brakes"].values():
-        brake["pressure_max"] += value if quantity == "pressure" else 0
-        if quantity in brake:
-            brake[quantity] *= 1 + value
+    changed = deviating(train, quantity, value)
     if quantity == "mass":
-        for car in changed["cars"]:
-            car["mass"] *= 1 + value
-            car["axle_masses"] = [mass * (1 + value) for mass in car["axle_masses"]]
         # Rolling resistance of [davis] is that of the train of the file, and rises with the mass of a draw.
-        changed["davis"]["constant"] *= 1 + value
-    assert stops == pytest.approx(by_hand(train_of(changed, "unit.toml"), 100 / 3.6).distance, rel=1e-6)
+        davis = changed.davis.model_copy(update={"constant": changed.davis.constant * (1 + value)})
+        changed = changed.model_copy(update={"davis": davis})
+    assert stops == pytest.approx(by_hand(changed, 100 / 3.6).distance, rel=1e-6)
 
 
 def test_a_build_up_that_disperses_scales_the_response_time():

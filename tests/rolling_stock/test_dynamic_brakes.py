@@ -7,12 +7,10 @@ import pytest
 from scipy.integrate import quad
 from small_train import electric_tables
 from synthetic import MOTOR, ON_RAIL
-from typer.testing import CliRunner
 from wrong import REMOVED, change
 
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.registry import DYNAMIC_BRAKES, modules, shelf
-from railgrip.cli.app import app
 from railgrip.estimation.models import of_train
 from railgrip.rolling_stock.calculation import mean_stop, parking
 from railgrip.rolling_stock.calculation_page import calculation_page
@@ -234,14 +232,13 @@ def test_a_train_without_parking_brake_holds_nothing(train):
     assert held.adhesion == np.inf
 
 
-def test_commands_have_the_stop_without_dynamic_brakes(tmp_path):
-    result = CliRunner().invoke(app, ["train", "calculate", "flirt", "--json"])
-    assert result.exit_code == 0, result.output
-    stop = json.loads(result.stdout)["stops"][0]
+def test_commands_have_the_stop_without_dynamic_brakes(railgrip, tmp_path):
+    code, out, err = railgrip("train", "calculate", "flirt", "--json")
+    assert code == 0, err
+    stop = json.loads(out)["stops"][0]
     assert sum(stop["energy_dynamic"]) > 0
     assert stop["distance_without_dynamic"] > 0
-    result = CliRunner().invoke(app, ["train", "calculate", "flirt", "--out", str(tmp_path / "page")])
-    assert result.exit_code == 0, result.output
+    assert railgrip("train", "calculate", "flirt", "--out", "page")[0] == 0
     assert "without dynamic" in (tmp_path / "page" / "index.html").read_text(encoding="utf-8")
 
 

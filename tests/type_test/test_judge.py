@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pandas
 import pytest
-from synthetic import BRAKES, parabola, uniform_stop
 
 from railgrip.base.errors import ScenarioError
 from railgrip.report.limits import limits_of
@@ -15,8 +14,6 @@ from railgrip.report.stop import Stop
 from railgrip.scenario.outcome import Outcome
 from railgrip.studies.type_test.entrants import Entrant
 from railgrip.studies.type_test.stop_frames import judgements, measure, plain_rows, summaries
-from railgrip.trace.bound import with_bound
-from railgrip.trace.measures import utilisation as utilisation_of
 from railgrip.trace.metrics import FIGURES, Metrics
 
 EACH = {"longest_lock_fast", "locked_distance", "tread_energy", "actuations"}
@@ -103,18 +100,6 @@ def test_all_controllers_of_a_case_are_evaluated_by_the_same_adhesion():
     stops = judged(pandas.concat(stops))
     assert set(stops["first_adhesion"]) == {0.07}
     assert {verdicts["extension"] for verdicts in stops["verdicts"]} == {False}
-
-
-def test_the_utilisation_of_adhesion_is_evaluated_with_an_isolated_group():
-    """The isolated brake uses no adhesion; the train still has a utilisation, from the trace to the verdict."""
-    brakes = (None, *BRAKES[1:])
-    for used, verdict in ((0.07, True), (0.04, False)):
-        trace = with_bound(uniform_stop(adhesion=used, mu0=0.0875), parabola, brakes, alpha_max=0.15)
-        utilisation, each = utilisation_of(trace).values()
-        assert math.isnan(each[0])
-        stop = mine(pandas.concat([result("a", "dry", 250.0), result("a", "mine", 300.0, utilisation=utilisation)]))
-        assert stop.utilisation == pytest.approx(utilisation)
-        assert stop.verdicts["utilisation"] is verdict
 
 
 def test_a_train_that_does_not_stop_fails_and_has_no_distance():
