@@ -24,8 +24,8 @@
 import numpy as np
 import pandas as pd
 import proof_terms
+import published
 import table1_stops as table1
-from schematics import arrow, box, canvas
 from table1_stops import ABC, FITS, LAWS, LIMIT, PEAK_SEEKING, SBC, SCENARIOS, SPANS
 
 import railgrip as rg
@@ -103,9 +103,7 @@ for law in (ABC, PEAK_SEEKING):
         f"Fig. 4 | {LAWS[law]}: rms of fast changes of adhesion, before / after 25 s | "
         f"significant chattering after 25 s | {row.chatter_before:.4f} / {row.chatter_after:.4f}",
     ]
-columns = ["figure", "quantity", "published", "ours", "difference"]
-rows = [[cell.strip() for cell in f"{line} |".split("|")[:5]] for line in compared]
-rg.table(pd.DataFrame(rows, columns=columns), left=columns[:2])
+published.compare(compared)
 
 # %% [markdown]
 # ## Figure 1: adhesion over slip
@@ -126,10 +124,9 @@ for panel, lines in zip(panels, (of_causes, of_rails), strict=True):
         for place in maxima(adhesion):
             panel.plot(100 * SLIPS[place], adhesion[place], "o", markersize=4, color=color, clip_on=False)
     style.legend(panel, loc="upper left")
-    panel.set_xlim(0, 100)
-style.dress(panels[0], x="slip [%]", y="adhesion", title=f"causes, {SPEED * style.KMH:.0f} km/h, wheelset 1")
-style.dress(panels[1], x="slip [%]", title="wet rail and leaves, wheelset 1")
-panels[0].set_ylim(0, 0.26)
+causes = f"causes, {SPEED * style.KMH:.0f} km/h, wheelset 1"
+style.dress(panels[0], x="slip [%]", y="adhesion", title=causes, xlim=(0, 100), ylim=(0, 0.26))
+style.dress(panels[1], x="slip [%]", title="wet rail and leaves, wheelset 1", xlim=(0, 100))
 figure
 
 # %% [markdown]
@@ -142,28 +139,9 @@ figure
 # both maxima are about equally high, on leaves the second is higher.
 #
 # ## Figure 2: control system
-
-# %%
-figure, axes = canvas(9, 3.9)
-figure.set_label("Block diagram of controller, plant, sensors and estimator")
-law = "$u = L\\,\\mathrm{sgn}(\\dot s\\,\\dot\\alpha)$ or own\nCasADi formula as C"
-box(axes, (0.4, 2.4), (2.3, 1.1), "controller", law)
-box(axes, (3.5, 2.4), (2.3, 1.1), "plant", "train, contact, brakes\nModelica, FMU", "--")
-box(axes, (6.6, 2.4), (1.9, 1.1), "sensors", "noise, faults, sampling\nC")
-box(axes, (3.5, 0.35), (5.0, 1.2), "adhesion estimator", "extended Kalman filter\nC")
-axes.texts[-2].set_x(7.35)
-axes.texts[-1].set_x(7.35)
-box(axes, (3.7, 0.5), (2.3, 0.9), "prediction", "f, h, Jacobians\nModelica, FMU", "--")
-arrow(axes, (2.7, 2.95), (3.5, 2.95), "$p_{1\\ldots4}$", (3.1, 3.12))
-arrow(axes, (5.8, 2.95), (6.6, 2.95), "$y$", (6.2, 3.1))
-arrow(axes, (7.55, 2.4), (7.55, 1.55), "$v, \\omega, \\Delta z, \\dot v$", (7.65, 1.97), ha="left")
-axes.plot([3.5, 1.55], [0.95, 0.95], color=palette.BLACK, linewidth=1.3)
-arrow(axes, (1.55, 0.95), (1.55, 2.4), "$\\hat\\alpha$, $\\hat s$", (1.65, 1.6), ha="left")
-arrow(axes, (4.65, 3.85), (4.65, 3.5), "friction $\\mu_0$ of the rail", (4.75, 3.72), ha="left")
-axes.text(0.4, 0.25, "dashed: Modelica\nsolid: C, in the paper Matlab", fontsize=8.5, va="center")
-figure
-
-# %% [markdown]
+#
+# ![Block diagram of controller, plant, sensors and estimator](../architecture.svg)
+#
 # The scheme is that of the paper: plant and prediction are Modelica models, exchanged as FMUs; estimator and controller
 # are not. In the paper these are written in Matlab. Here the estimator is written in C, and the laws are CasADi
 # formulas from which C is generated. The block of sensors is an addition; in this comparison its readings are exact.
@@ -433,12 +411,8 @@ for numbers, color, name, offset in (
         panel.plot(*place, "o", color=color)
         panel.annotate(words, place, xytext=shift, textcoords="offset points", fontsize=8, color=color)
 panel.axvspan(10, 15, color=palette.ORANGE, alpha=0.25, linewidth=0, label="slip-based control")
-style.dress(
-    panel, x="slip [%]", y="adhesion",
-    title=f"creep curves at {SPEED * style.KMH:.0f} km/h and {LOAD / 1e3:.0f} kN, mean friction of the trapezoid",
-)  # fmt: skip
-panel.set_xlim(0, 50)
-panel.set_ylim(0, 1.1 * friction)
+title = f"creep curves at {SPEED * style.KMH:.0f} km/h and {LOAD / 1e3:.0f} kN, mean friction of the trapezoid"
+style.dress(panel, x="slip [%]", y="adhesion", title=title, xlim=(0, 50), ylim=(0, 1.1 * friction))
 style.legend(panel, loc="upper right")
 figure
 

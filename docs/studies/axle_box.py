@@ -47,6 +47,7 @@ from pathlib import Path
 
 import axle_box_runs as runs
 import pandas as pd
+import published
 
 import railgrip as rg
 from railgrip.estimation.axle_box.evaluate import TrainingRecipe
@@ -92,7 +93,7 @@ def mae_and_of_mean(cell):
 
 # %%
 def compared(figure, quantity, paper, own, form="{:.4f}"):
-    return [figure, quantity, form.format(paper), form.format(own), percent(own / paper - 1)]
+    return f"{figure} | {quantity} | {form.format(paper)} | {form.format(own)} | {percent(own / paper - 1)}"
 
 
 recipe, best, listed = TrainingRecipe(), "one of the best networks", ", ".join(map(str, speeds))
@@ -100,21 +101,20 @@ mean_of = [(part["level"] * part["blocks"]).sum() / part["blocks"].sum() for _, 
 samples = home["blocks"].agg(lambda blocks: (0.8 * blocks).astype(int).sum())
 seconds = [f"{count * BLOCKS[mph] / RATE:.0f}" for mph, count in samples.items()]
 error = scores.pivot(index=["table", "row"], columns="mph", values="mae")
-rows = [
-    ["Fig. 5 to 8", f"mean amplitude at {listed} mph [m/s²]", "rises with speed",
-     " / ".join(f"{level:.4f}" for level in mean_of), ""],
-    ["Fig. 9", "inputs", 4, recipe.wheelsets, "*chosen*"],
-    ["Fig. 9", "hidden neurons", 6, recipe.hidden, "*chosen*"],
+levels = " / ".join(f"{level:.4f}" for level in mean_of)
+lines = [
+    f"Fig. 5 to 8 | mean amplitude at {listed} mph [m/s²] | rises with speed | {levels}",
+    f"Fig. 9 | inputs | 4 | {recipe.wheelsets} | *chosen*",
+    f"Fig. 9 | hidden neurons | 6 | {recipe.hidden} | *chosen*",
     *(compared(f"Fig. {k}", f"MAE at {mph} mph, {best}", paper[mph]["best"], error[mph]["best", best])
       for k, mph in enumerate(speeds, start=10)),
     *(compared("Table 3", f"MAE at {fast} over MAE at {slow} mph, {name}", paper[fast]["mae"] / paper[slow]["mae"],
                error[fast]["split", name] / error[slow]["split", name], "{:.2f}")
       for name in ("bias inside, weights kept small", "first second is zero") if fast > slow),
-    ["Table 3", f"duration of training data [s], {listed} mph", "longer at lower speeds", " / ".join(seconds), ""],
-    ["Table 3", f"number of training samples, {listed} mph", "not stated", " / ".join(map(str, samples)), ""],
+    f"Table 3 | duration of training data [s], {listed} mph | longer at lower speeds | {' / '.join(seconds)}",
+    f"Table 3 | number of training samples, {listed} mph | not stated | {' / '.join(map(str, samples))}",
 ]  # fmt: skip
-columns = ["figure", "quantity", "published", "ours", "difference"]
-rg.table(pd.DataFrame(rows, columns=columns), left=columns[:2])
+published.compare(lines)
 
 # %% [markdown]
 # <!-- constants: Abduraxman et al. (2024) -->
@@ -143,10 +143,10 @@ figures = {
 parts = [by_speed("split", text, readings).assign(figure=name) for name, text in figures.items()]
 ours = pd.concat(parts).sort_index(kind="stable")
 ours[""] += ": " + ours.pop("figure")
-published = paper.iloc[:2].map("{:.4f}".format).set_axis(ours.columns[1:-1], axis=1)
-published.insert(0, "", ["paper, RMSE", "paper, MAE"])
+of_paper = paper.iloc[:2].map("{:.4f}".format).set_axis(ours.columns[1:-1], axis=1)
+of_paper.insert(0, "", ["paper, RMSE", "paper, MAE"])
 mean = by_speed("split", lambda cell: f"{cell.mae_of_mean:.4f}", readings[:1]).assign(**{"": "always the mean, MAE"})
-table3 = pd.concat([published, ours, mean]).drop(columns="all")
+table3 = pd.concat([of_paper, ours, mean]).drop(columns="all")
 rg.table(table3, left=[""])
 
 # %% [markdown]

@@ -250,10 +250,9 @@ def accelerations(mph: int, runs: Sequence[LabelledRun]) -> Figure:
         axes.axvline(end, color=palette.GREY, linewidth=0.8, linestyle=":")
         axes.text((begin + end) / 2, 0.99, f"{run.friction:g}", transform=axes.get_xaxis_transform(), fontsize=8,
                   ha="center", va="top", color=palette.GREY)  # fmt: skip
-    axes.set_xlim(0, ends[-1])
-    axes.set_ylim(0, 1.25 * float(amplitudes.max()))
     title = f"Fig. {_ACCELERATIONS[mph]}: {mph} mph; grey: friction, Table 2"
-    style.dress(axes, x="time of the linked runs [s]", y="|acc.| [m/s²]", title=title)
+    limits = {"xlim": (0, ends[-1]), "ylim": (0, 1.25 * float(amplitudes.max()))}
+    style.dress(axes, x="time of the linked runs [s]", y="|acc.| [m/s²]", title=title, **limits)
     sheet.legend(*axes.get_legend_handles_labels(), fontsize=8, ncols=4, loc="outside upper right")
     return sheet
 
@@ -299,8 +298,7 @@ def structure(inputs: int, hidden: int) -> Figure:
             axes.plot(x, y, "o", color="white", markeredgecolor=colour, markeredgewidth=2, markersize=24, zorder=2)
             axes.text(x, y, name, ha="center", va="center", fontsize=8, zorder=3)
         axes.text(x, -3.3, note, ha="center", va="top", fontsize=9)
-    axes.set_xlim(-1.0, 5.0)
-    axes.set_ylim(-4.4, 3.2)
+    axes.set(xlim=(-1.0, 5.0), ylim=(-4.4, 3.2))
     axes.axis("off")
     return sheet
 

@@ -340,9 +340,8 @@ def speed_figure(run: xarray.Dataset) -> Figure:
                       label=None if number else "published times")  # fmt: skip
     panel.plot([TIMES["braking begins"], TIMES["standstill"]], [START_SPEED, 0], "D", color=palette.BLACK, markersize=5,
                markerfacecolor="none", label="published speeds", clip_on=False, zorder=5)  # fmt: skip
-    style.dress(panel, x="time [s]", y="speed [km/h]")
-    panel.set_xlim(0, max(time[-1], TIMES["standstill"]) + 2)
-    panel.set_ylim(0, None)
+    limits = {"xlim": (0, max(time[-1], TIMES["standstill"]) + 2), "ylim": (0, None)}
+    style.dress(panel, x="time [s]", y="speed [km/h]", **limits)
     style.legend(panel, ncols=5, loc="lower left", bbox_to_anchor=(0, 1))
     return drawing
 
@@ -367,12 +366,10 @@ def readings_figure(braking: Braking) -> Figure:
     lower.axvline(
         OVERBRAKING, color=palette.BLACK, linewidth=1.0, linestyle=":", label="published slide of motor bogie 1"
     )
-    style.dress(upper, y="cylinder pressure [bar]")
-    style.dress(lower, x="time [s]", y="speed [km/h]")
-    upper.set_ylim(-0.1, 3.8)
+    style.dress(upper, y="cylinder pressure [bar]", ylim=(-0.1, 3.8))
+    style.dress(lower, x="time [s]", y="speed [km/h]", xlim=(time[braking.brake] - 3, time[-1]))
     style.legend(upper, ncols=2, loc="lower right")
     style.legend(lower, loc="upper right")
-    upper.set_xlim(time[braking.brake] - 3, time[-1])
     return drawing
 
 
@@ -405,11 +402,10 @@ def friction_figure(task: FilterTask, estimate: FilterRecord) -> Figure:
     for number, level in enumerate(ADHESIONS):
         curve.axhline(level, color=palette.BLACK, linewidth=1.0, linestyle=":",
                       label=None if number else "published, motor bogie 1")  # fmt: skip
-    style.dress(pads, x="time [s]", y="pad friction over 0.35", title=f"{PUBLISHED}: pad friction ±2σ")
-    style.dress(curve, x="slip [%]", y="adhesion", title=f"{PUBLISHED}: adhesion over slip")
-    pads.set_ylim(0.7, 1.4)
-    curve.set_ylim(-0.02, 0.24)
-    curve.set_xlim(-1, 20)
+    title = f"{PUBLISHED}: adhesion over slip"
+    style.dress(curve, x="slip [%]", y="adhesion", title=title, xlim=(-1, 20), ylim=(-0.02, 0.24))
+    title = f"{PUBLISHED}: pad friction ±2σ"
+    style.dress(pads, x="time [s]", y="pad friction over 0.35", title=title, ylim=(0.7, 1.4))
     style.legend(pads, ncols=2, loc="lower right")
     style.legend(curve, loc="lower right", markerscale=3)
     return drawing

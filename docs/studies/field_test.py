@@ -19,6 +19,7 @@
 # %%
 import field_runs as field
 import pandas as pd
+import published
 
 import railgrip as rg
 from railgrip.estimation.field_test.filtering import TEST, TUNING, cases
@@ -61,9 +62,7 @@ Fig. 5 | brake friction over the braking | rises | {rises}
 Fig. 5 | brake friction of motor bogie 1 over that of Jacobs bogie, at last | above 1 | {ours.late_ratio:.3g}
 Fig. 5 | oscillation of brake friction, motor bogie 1 | major, at 81 s | {100 * ours.swing:.0f} %, at {ours.when:.1f} s
 """
-rows = [[cell.strip() for cell in f"{line} |".split("|")[:5]] for line in compared.strip().splitlines()]
-columns = ["figure", "quantity", "published", "ours", "difference"]
-rg.table(pd.DataFrame(rows, columns=columns), left=columns[:2])
+published.compare(compared.strip().splitlines())
 
 # %% [markdown]
 # <!-- constants: Schwarz, Lüdicke and Heckmann (2019); harness/scenario/library/field.toml;

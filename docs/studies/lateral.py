@@ -40,7 +40,7 @@
 # %%
 import lateral_runs as runs
 import numpy as np
-import pandas as pd
+import published
 
 import railgrip as rg
 from railgrip.estimation.lateral.run_measures import adhesion
@@ -96,18 +96,16 @@ last = {"seed": int(typical["seed"].iloc[-1]), "duration": size["duration"]}
 run = rg.evaluate(runs.compared_row, [last], "lateral_compared.csv", workers=0)
 rails, creeps = ", ".join(rail.name for rail in CONDITIONS), np.geomspace(1e-5, 0.1, 400)
 peaks = [f"{adhesion(rail, creeps, runs.SPEED).max():.3f}" for rail in CONDITIONS]
-rows = [
-    ["Table 3", f"friction u0 at zero creep velocity: {rails}", "0.46, 0.3, 0.2, 0.1",
-     ", ".join(f"{rail.mu0:g}" for rail in CONDITIONS), "*chosen*"],
-    ["Fig. 2", f"largest adhesion at {runs.SPEED:g} m/s: {rails}", "not given", ", ".join(peaks), ""],
-    ["Fig. 4 to 23", "largest deviation of the track", "7.0 mm", f"{1e3 * run['track'][0]:.1f} mm", "*chosen*"],
-    ["Fig. 20 to 23", "changes of the surface", "2, 4, 6 and 8 s",
-     f"{', '.join(f'{at:g}' for at, _ in TESTS[-1].changes[1:])} s", "*chosen*"],
-    ["Fig. 23", "largest error of the creep force, reconstruction", "at 2.0 s", f"at {run['instant'][0]:.1f} s",
-     f"{run['instant'][0] - 2:+.1f} s"],
-]  # fmt: skip
-columns = ["figure", "quantity", "published", "ours", "difference"]
-rg.table(pd.DataFrame(rows, columns=columns), left=columns[:2])
+frictions = ", ".join(f"{rail.mu0:g}" for rail in CONDITIONS)
+instants, track, at = ", ".join(f"{at:g}" for at, _ in TESTS[-1].changes[1:]), run["track"][0], run["instant"][0]
+compared = f"""
+Table 3 | friction u0 at zero creep velocity: {rails} | 0.46, 0.3, 0.2, 0.1 | {frictions} | *chosen*
+Fig. 2 | largest adhesion at {runs.SPEED:g} m/s: {rails} | not given | {", ".join(peaks)}
+Fig. 4 to 23 | largest deviation of the track | 7.0 mm | {1e3 * track:.1f} mm | *chosen*
+Fig. 20 to 23 | changes of the surface | 2, 4, 6 and 8 s | {instants} s | *chosen*
+Fig. 23 | largest error of the creep force, reconstruction | at 2.0 s | at {at:.1f} s | {at - 2:+.1f} s
+"""
+published.compare(compared.strip().splitlines())
 
 # %% [markdown]
 # <!-- constants: Mal et al. (2020); harness/estimation/lateral/wheelset.py -->

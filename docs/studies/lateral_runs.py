@@ -282,9 +282,8 @@ def creep_curves(speed: float) -> Figure:
         panel.plot(100 * creep, adhesion(condition, creep, speed), color=colour, linestyle=line, label=condition.name)
         panel.plot(0.0, condition.mu0, "D", color=palette.BLACK, markersize=5, markerfacecolor="none", clip_on=False,
                    label="published u₀" if condition is CONDITIONS[-1] else None)  # fmt: skip
-    style.dress(panel, x="creep [%]", y="adhesion coefficient", title=f"Fig. 2, at {speed:g} m/s")
-    panel.set_xlim(0, 10)
-    panel.set_ylim(0, 0.5)
+    title = f"Fig. 2, at {speed:g} m/s"
+    style.dress(panel, x="creep [%]", y="adhesion coefficient", title=title, xlim=(0, 10), ylim=(0, 0.5))
     style.legend(panel, loc="upper right", ncols=2)
     return drawing
 
@@ -310,25 +309,23 @@ def test_figure(case: LateralCase) -> Figure:
             largest = max(largest, min(float(np.nanmax(np.abs(error))), 1.5 * size))
             squares = error[:windows].reshape(-1, _WINDOW) ** 2
             right.plot(middles, np.sqrt(squares.mean(axis=1)), color=_COLOURS[name], linewidth=1.0)
-        middle.set_ylim(-1.05 * largest, 1.05 * largest)
         left.plot(time, truth[::_THINNING], color=palette.BLACK, linewidth=0.5, label="true")
         # A curve outside of the panel has an error of more than half of the largest true value.
         bottom = -1.5 * size if np.min(truth) < 0 else -0.1 * size
-        left.set_ylim(bottom, 1.5 * size)
         # The friction coefficient, which the paper estimates too, is in none of its figures.
         number = f"Fig. {first + row}" if first is not None and quantity != "friction" else ""
-        style.dress(left, y=_LABELS[quantity], title=number)
-        right.set_yscale("log")
-        right.set_ylim(1e-6 * size, 1e1 * size)
+        style.dress(left, y=_LABELS[quantity], title=number, ylim=(bottom, 1.5 * size))
         unit = _LABELS[quantity].partition("[")[2]
-        for axes, what in ((middle, "error"), (right, "rms error over 0.1 s")):
-            style.dress(axes, y=f"error [{unit}" if unit else "error", title=number and f"{number}, {what}")
+        for axes, what, limits in (
+            (middle, "error", {"ylim": (-1.05 * largest, 1.05 * largest)}),
+            (right, "rms error over 0.1 s", {"yscale": "log", "ylim": (1e-6 * size, 1e1 * size)}),
+        ):
+            style.dress(axes, y=f"error [{unit}" if unit else "error", title=number and f"{number}, {what}", **limits)
         for axes in (left, middle, right):
             for change in trace.changes[1:]:
                 axes.axvline(change, color=palette.GREY, linewidth=0.8, linestyle=":")
     for axes in panels[-1]:
-        axes.set_xlabel("time [s]")
-        axes.set_xlim(0, trace.time[-1])
+        axes.set(xlabel="time [s]", xlim=(0, trace.time[-1]))
     drawing.legend(*panels[0, 0].get_legend_handles_labels(), ncols=4, fontsize=8, frameon=False,
                    loc="outside lower center")  # fmt: skip
     drawing.suptitle(
@@ -353,10 +350,9 @@ def spike_figure(trace: Trace) -> Figure:
         right.plot(time, force - truth, color=_COLOURS[name], linewidth=1.0)
         largest = max(largest, min(float(np.nanmax(np.abs(force - truth))), 1.5 * size))
     left.plot(time, truth, color=palette.BLACK, linewidth=0.5, label="true")
-    left.set_ylim(-0.1 * size, 1.5 * size)
-    right.set_ylim(-1.05 * largest, 1.05 * largest)
-    style.dress(left, x="time [s]", y="creep force [kN]", title=f"Fig. 23 around {change:g} s, seed {trace.case.seed}")
-    style.dress(right, x="time [s]", y="error [kN]", title="error")
+    title = f"Fig. 23 around {change:g} s, seed {trace.case.seed}"
+    style.dress(left, x="time [s]", y="creep force [kN]", title=title, ylim=(-0.1 * size, 1.5 * size))
+    style.dress(right, x="time [s]", y="error [kN]", title="error", ylim=(-1.05 * largest, 1.05 * largest))
     for axes in (left, right):
         axes.axvline(change, color=palette.GREY, linewidth=0.8, linestyle=":")
     drawing.legend(*left.get_legend_handles_labels(), ncols=4, fontsize=8, frameon=False, loc="outside lower center")

@@ -314,9 +314,7 @@ def qualitative_figure(slide: pd.DataFrame) -> Figure:
             place = 100 * places["slip"].iloc[0], places["adhesion"].iloc[0]
             panel.plot(*place, "o", color=palette.VERMILION, clip_on=False)
             panel.annotate(numbers[part], place, xytext=(7, 5), textcoords="offset points", weight="bold")
-    style.dress(panel, x="slip [%]", y="adhesion")
-    panel.set_xlim(0, 50)
-    panel.set_ylim(0, 0.14)
+    style.dress(panel, x="slip [%]", y="adhesion", xlim=(0, 50), ylim=(0, 0.14))
     style.legend(panel, loc="upper right")
     return drawing
 
@@ -329,11 +327,10 @@ def record_figure(test: str, recording: xarray.Dataset, estimates: Mapping[str, 
     inputs.plot(time, wheelset, color=palette.BLUE, lw=0.7, label="wheelset, at the rim")
     inputs.plot(time, style.KMH * reading_of(recording, "speed"), color=palette.BLACK, lw=1.4, label="roller")
     inputs.plot(0, START_SPEED[test], "D", color=palette.VERMILION, clip_on=False, label="roller, published")
-    style.dress(inputs, y="speed [km/h]")
+    style.dress(inputs, y="speed [km/h]", ylim=(0, 1.25 * START_SPEED[test]))
     force = style.second_scale(inputs, "pad force [kN]")
     force.plot(time, reading_of(recording, "pad_force") / 1e3, color=palette.ORANGE, lw=0.6, label="pad force (right)")
     force.set_ylim(0, 150)
-    inputs.set_ylim(0, 1.25 * START_SPEED[test])
     # Above the axes, where no line runs.
     lines = [*inputs.get_lines(), *force.get_lines()]
     names = [str(line.get_label()) for line in lines]
@@ -350,10 +347,8 @@ def record_figure(test: str, recording: xarray.Dataset, estimates: Mapping[str, 
         if name == "rig-paper":
             adhesion.plot(time, measured, color=_LOAD_CELLS, lw=1.4, label="load cells")
     top = 1.35 * float(np.nanmax(measured))
-    adhesion.set_ylim(-0.01, top)
-    style.dress(adhesion, y="adhesion")
-    style.dress(friction, x="time [s]", y="pad friction")
-    friction.set_ylim(0.3, 0.5)
+    style.dress(adhesion, y="adhesion", ylim=(-0.01, top))
+    style.dress(friction, x="time [s]", y="pad friction", ylim=(0.3, 0.5))
     for begin, end, words, bounds in STATEMENTS[test]:
         for panel in (adhesion, friction):
             panel.axvspan(begin, end, color=palette.SKY, alpha=0.15, linewidth=0)
@@ -381,10 +376,7 @@ def over_slip_figure(recording: xarray.Dataset, estimates: Mapping[str, xarray.D
         above.text(25, place, words, fontsize=8)
     below.axhline(rig.LIMIT, color=palette.BLACK, lw=1.0, ls=":")
     below.text(25, rig.LIMIT + 0.0006, f"published: {rig.LIMIT:g} but for one peak", fontsize=8)
-    style.dress(above, y="adhesion")
-    style.dress(below, x="slip [%]", y="absolute error of adhesion")
-    below.set_xlim(0, None)
-    above.set_ylim(0, 0.14)
-    below.set_ylim(0, 0.025)
+    style.dress(above, y="adhesion", ylim=(0, 0.14))
+    style.dress(below, x="slip [%]", y="absolute error of adhesion", xlim=(0, None), ylim=(0, 0.025))
     style.legend(above, loc="upper right")
     return drawing

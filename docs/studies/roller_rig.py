@@ -22,7 +22,8 @@
 # *chosen*: our number was chosen after the published one, so that their difference is not a result.
 
 # %%
-import pandas as pd
+import numpy as np
+import published
 import rig_tests as rig
 from rig_tests import NOISE, PERIOD
 
@@ -38,65 +39,56 @@ periods, noises = ([PERIOD], [NOISE]) if quick else ([PERIOD, 10e-3, 20e-3], [NO
 cases = [{"test": "rig_slide", "period": period, "noise": noise} for period in periods for noise in noises]
 found = rg.evaluate(rig.rows, [*cases, {"test": "rig_sand", "period": PERIOD, "noise": NOISE}], "roller_rig.csv")
 tests = found[(found["period"] == PERIOD) & (found["noise"] == NOISE)]
-slide, slide_own, sand, sand_own = (row for _, row in tests.iterrows())
+tests = tests.assign(
+    speed=3.6 * tests["speed"],
+    early=(tests["short_end"] / 33 - 1).map(percent),
+    outside_is=np.where(tests["outside"] <= 0.02, "within", "above"),
+    longest_is=np.where(tests["longest"] <= 0.1, "within", "above"),
+)
 points = rg.evaluate(rig.slide_rows, [{"test": "rig_sand"}], "roller_rig_slide.csv")
-peak, released, rolling = (points[points["part"] == part].iloc[0] for part in ("peak", "released", "rolling"))
-paper, own = rig.NAMES.values()
-
-
-def within(value, limit):
-    return "within" if value <= limit else "above"
-
-
-compared = f"""
-Fig. 3 | point 1, greatest adhesion | no numbers | adhesion {peak.adhesion:.3f} at {100 * peak.slip:.1f} % slip
-Fig. 3 | point 2, brake released | no numbers | adhesion {released.adhesion:.3f} at {100 * released.slip:.1f} % slip
-Fig. 3 | point 3, rolling | no numbers | adhesion {rolling.adhesion:.3f} at {100 * rolling.slip:.1f} % slip
-Fig. 4 | initial speed | 120 km/h | {3.6 * slide.speed:.0f} km/h | *chosen*
+of_points = points.assign(slip=100 * points["slip"]).groupby("part").first()
+values = {part: of_points.loc[part] for part in ("peak", "released", "rolling")}
+statements = """
+Fig. 3 | point 1, greatest adhesion | no numbers | adhesion {peak.adhesion:.3f} at {peak.slip:.1f} % slip
+Fig. 3 | point 2, brake released | no numbers | adhesion {released.adhesion:.3f} at {released.slip:.1f} % slip
+Fig. 3 | point 3, rolling | no numbers | adhesion {rolling.adhesion:.3f} at {rolling.slip:.1f} % slip
+Fig. 4 | initial speed | 120 km/h | {slide.speed:.0f} km/h | *chosen*
 Fig. 4 | short brakings | 3 | {slide.short:.0f} | *chosen*
 Fig. 4 | begin of the first short braking | 18.0 s | {slide.short_begin:.1f} s | *chosen*
-Fig. 4 | end of the last short braking | 33.0 s | {slide.short_end:.1f} s | {percent(slide.short_end / 33 - 1)}
+Fig. 4 | end of the last short braking | 33.0 s | {slide.short_end:.1f} s | {slide.early}
 Fig. 4 | begin of the stop braking | 42.0 s | {slide.stop:.1f} s | *chosen*
 Fig. 4 | adhesion until 110 s, 5 % quantile | 0.020 to 0.050 | {slide.low:.3f} | *chosen*
 Fig. 4 | adhesion until 110 s, 95 % quantile | 0.020 to 0.050 | {slide.high:.3f} | *chosen*
-Fig. 4 | wrong start of adhesion corrected in, {paper} | first few tenths of a second | {slide.settling:.3f} s
-Fig. 4 | wrong start of adhesion corrected in, {own} | first few tenths of a second | {slide_own.settling:.3f} s
-Fig. 4 | pad friction, {paper} | rises from 110 s on | {slide.pads_begin:.3f} to {slide.pads_end:.3f}
-Fig. 4 | pad friction, {own} | rises from 110 s on | {slide_own.pads_begin:.3f} to {slide_own.pads_end:.3f}
+Fig. 4 | wrong start of adhesion corrected in, {name} | first few tenths of a second | {slide.settling:.3f} s
+Fig. 4 | pad friction, {name} | rises from 110 s on | {slide.pads_begin:.3f} to {slide.pads_end:.3f}
 Fig. 4 | pad friction, true | rises from 110 s on | {slide.true_begin:.3f} to {slide.true_end:.3f}
-Fig. 4 | largest error of adhesion outside protection events, {paper} | almost identical | {slide.outside:.4f}
-Fig. 4 | largest error of adhesion outside protection events, {own} | almost identical | {slide_own.outside:.4f}
-Fig. 4 | rms error of adhesion from 110 s on, {paper} | well approximated | {slide.late_rmse:.4f}
-Fig. 4 | rms error of adhesion from 110 s on, {own} | well approximated | {slide_own.late_rmse:.4f}
-Fig. 4 | largest error of adhesion from 110 s on, {paper} | well approximated | {slide.late_largest:.3f}
-Fig. 4 | largest error of adhesion from 110 s on, {own} | well approximated | {slide_own.late_largest:.3f}
-Fig. 4 | rms error of ω_W / v_x, {paper} | no remarkable difference | {slide.omega:.1e} rad/s / {slide.v:.1e} m/s
-Fig. 4 | rms error of ω_W / v_x, {own} | no remarkable difference | {slide_own.omega:.1e} rad/s / {slide_own.v:.1e} m/s
-Fig. 5 | initial speed | 200 km/h | {3.6 * sand.speed:.0f} km/h | *chosen*
+Fig. 4 | largest error of adhesion outside protection events, {name} | almost identical | {slide.outside:.4f}
+Fig. 4 | rms error of adhesion from 110 s on, {name} | well approximated | {slide.late_rmse:.4f}
+Fig. 4 | largest error of adhesion from 110 s on, {name} | well approximated | {slide.late_largest:.3f}
+Fig. 4 | rms error of ω_W / v_x, {name} | no remarkable difference | {slide.omega:.1e} rad/s / {slide.v:.1e} m/s
+Fig. 5 | initial speed | 200 km/h | {sand.speed:.0f} km/h | *chosen*
 Fig. 5 | adhesion, 4 to 11 s, first peak | 0.100 | {sand.first_peak:.3f} | *chosen*
 Fig. 5 | adhesion, 4 to 11 s, after the fall | 0.050 | {sand.after_fall:.3f} | *chosen*
 Fig. 5 | adhesion, 4 to 11 s, after the release | 0.100 | {sand.after_release:.3f} | *chosen*
 Fig. 5 | adhesion, 4 to 11 s, at last | 0.000 | {sand.at_last:.3f} | {sand.at_last:.3f}
 Fig. 5 | slides with more than 10 % slip, 4 to 11 s | 1 | {sand.slides:.0f} | *chosen*
-Fig. 5 | wrong start of adhesion corrected in, {paper} | first few tenths of a second | {sand.settling:.3f} s
-Fig. 5 | wrong start of adhesion corrected in, {own} | first few tenths of a second | {sand_own.settling:.3f} s
-Fig. 5 | pad friction, {paper} | rises from 55 s on | {sand.pads_begin:.3f} to {sand.pads_end:.3f}
-Fig. 5 | pad friction, {own} | rises from 55 s on | {sand_own.pads_begin:.3f} to {sand_own.pads_end:.3f}
+Fig. 5 | wrong start of adhesion corrected in, {name} | first few tenths of a second | {sand.settling:.3f} s
+Fig. 5 | pad friction, {name} | rises from 55 s on | {sand.pads_begin:.3f} to {sand.pads_end:.3f}
 Fig. 5 | pad friction, true | rises from 55 s on | {sand.true_begin:.3f} to {sand.true_end:.3f}
 Fig. 5 | brake applications a second, slide / sand | fewer in the sanding test | {slide.rate:.2f} / {sand.rate:.2f}
 Fig. 5 | the same with one protection in both | fewer in the sanding test | {slide.rate:.2f} / {sand.same_rate:.2f}
 Fig. 5 | rms oscillation of pad friction, slide / sand | larger with sand | {slide.ripple:.4f} / {sand.ripple:.4f}
-Fig. 6 | error of adhesion outside events, {paper} | ≤ 0.0200 | {sand.outside:.4f} | {within(sand.outside, 0.02)}
-Fig. 6 | error of adhesion outside events, {own} | ≤ 0.0200 | {sand_own.outside:.4f} | {within(sand_own.outside, 0.02)}
-Fig. 6 | longest error above 0.02, {paper} | ≤ 0.100 s | {sand.longest:.3f} s | {within(sand.longest, 0.1)}
-Fig. 6 | longest error above 0.02, {own} | ≤ 0.100 s | {sand_own.longest:.3f} s | {within(sand_own.longest, 0.1)}
-Fig. 6 | peaks above 0.02 as drawn / in all of the test, {paper} | one | {sand.peaks} / {sand.excursions}
-Fig. 6 | peaks above 0.02 as drawn / in all of the test, {own} | one | {sand_own.peaks} / {sand_own.excursions}
+Fig. 6 | error of adhesion outside events, {name} | ≤ 0.0200 | {sand.outside:.4f} | {sand.outside_is}
+Fig. 6 | longest error above 0.02, {name} | ≤ 0.100 s | {sand.longest:.3f} s | {sand.longest_is}
+Fig. 6 | peaks above 0.02 as drawn / in all of the test, {name} | one | {sand.peaks} / {sand.excursions}
 Fig. 6 | response of the protection, slide / sand | about 0.2 s | {slide.response:.2f} / {sand.response:.2f} s
 """
-rows = [[cell.strip() for cell in f"{line} |".split("|")[:5]] for line in compared.strip().splitlines()]
-columns = ["figure", "quantity", "published", "ours", "difference"]
-rg.table(pd.DataFrame(rows, columns=columns), left=columns[:2])
+filters = [(rig.NAMES[name], rows.iloc[0], rows.iloc[1]) for name, rows in tests.groupby("filter", sort=False)]
+published.compare(
+    line.format(name=name, slide=slide, sand=sand, **values)
+    for line in statements.strip().splitlines()
+    for name, slide, sand in filters[: 2 if "{name}" in line else 1]
+)
 
 # %% [markdown]
 # <!-- constants: Schwarz and Keck (2020); harness/scenario/library/rig_sand.toml -->

@@ -1,8 +1,7 @@
-"""Schematic drawings: block diagrams, and bodies with their forces."""
+"""Schematic drawings: bodies with their forces."""
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
 
 from railgrip.report import palette, style
 
@@ -14,19 +13,9 @@ def canvas(width: float, height: float) -> tuple[Figure, Axes]:
     drawing = style.figure(width, height, {"left": 0, "right": 1, "bottom": 0, "top": 1})
     drawing.has_formulas = True
     axes = drawing.subplots()
-    axes.set_xlim(0, width)
-    axes.set_ylim(0, height)
+    axes.set(xlim=(0, width), ylim=(0, height))
     axes.axis("off")
     return drawing, axes
-
-
-def box(axes: Axes, corner: Point, size: Point, title: str, lines: str = "", linestyle: str = "-") -> None:
-    """Draw a block with a title in bold over its other lines."""
-    axes.add_patch(Rectangle(corner, *size, fill=False, linestyle=linestyle, linewidth=1.4))
-    x, y = corner[0] + size[0] / 2, corner[1] + size[1] / 2
-    count = lines.count("\n") + 1 if lines else 0
-    axes.text(x, y + 0.09 * count, title, ha="center", va="center", fontsize=10, weight="bold")
-    axes.text(x, y - 0.1, lines, ha="center", va="center", fontsize=8.5, linespacing=1.25)
 
 
 def arrow(

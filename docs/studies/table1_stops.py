@@ -350,13 +350,11 @@ def rail_figure() -> Figure:
     for panel, name in zip(panels, SCENARIOS, strict=True):
         trace = stop_of(SBC, 0, name, "library").trace
         draw_wheelsets(panel, trace["time"].values, trace["mu0"].values)
-        style.dress(panel, y="maximum friction μ₀", title=name.replace("_", " "))
-        panel.set_ylim(bottom=0)
+        style.dress(panel, y="maximum friction μ₀", title=name.replace("_", " "), ylim=(0, None))
     panels[0].axvline(LAST_RISE, color=palette.BLACK, linestyle="--", linewidth=1)
     panels[0].text(LAST_RISE - 0.15, 0.1, "published:\nlast rise", fontsize=8, ha="right")
     style.legend(panels[0], ncols=4, loc="lower left")
-    panels[-1].set_xlabel("time since the brake demand [s]")
-    panels[-1].set_xlim(0, None)
+    panels[-1].set(xlabel="time since the brake demand [s]", xlim=(0, None))
     return drawing
 
 
@@ -374,8 +372,7 @@ def adhesion_figure(seeds: Mapping[str, int]) -> Figure:
             panel.axvspan(begin, end, color=palette.SKY, alpha=0.2, linewidth=0)
             panel.text(place, 0.008, words, fontsize=8)
         title = f"{LAWS[law]}: {ours.metrics.distance:.1f} m; SBC: {sbc.metrics.distance:.1f} m"
-        style.dress(panel, y="adhesion of wheelset 1", title=title)
-        panel.set_ylim(0, 0.24)
+        style.dress(panel, y="adhesion of wheelset 1", title=title, ylim=(0, 0.24))
         style.legend(panel, ncols=3, loc="upper left")
     panels[-1].set_xlabel("time since the brake demand [s]")
     return drawing
@@ -388,8 +385,7 @@ def wheelset_figure(seeds: Mapping[str, int]) -> Figure:
     drawing, panels = style.panels(9, 1.7 * len(numbers) + 0.6, len(numbers), 1, sharex=True, sharey=True)
     for panel, number in zip(panels, numbers, strict=True):
         draw_adhesion(panel, traces, LIMIT, wheelset=number)
-        style.dress(panel, y="adhesion", title=f"wheelset {number + 1}")
-        panel.set_ylim(0, 0.24)
+        style.dress(panel, y="adhesion", title=f"wheelset {number + 1}", ylim=(0, 0.24))
     panels[-1].set_xlabel("time since the brake demand [s]")
     drawing.legend(
         *panels[0].get_legend_handles_labels(), fontsize=8, ncols=5, loc="outside upper center", frameon=False

@@ -123,10 +123,9 @@ def second_scale(axes: Axes, label: str, color: str = BLACK) -> Axes:
     return other
 
 
-def dress(axes: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
-    """Label axes and remove the lines that carry no information."""
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
+def dress(axes: Axes, *, x: str = "", y: str = "", title: str = "", **more: Any) -> None:
+    """Label axes and remove the lines that carry no information; `more` is for `Axes.set`, such as limits."""
+    axes.set(xlabel=x, ylabel=y, **more)
     axes.set_title(title, loc="left", fontsize=10)
     axes.grid(visible=True, color="#DDDDDD", linewidth=0.6)
     axes.set_axisbelow(True)
