@@ -9,8 +9,9 @@ The module of a command is imported when the command is called: `--help` and she
 import json
 import logging
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, NoReturn
@@ -69,40 +70,40 @@ def command_of(name: str, target: Any) -> Any:
 
 
 def _global_options() -> list[Any]:
-    def options(
-        version: Annotated[
-            bool, typer.Option("--version", callback=_show_version, is_eager=True, expose_value=False, hidden=True)
-        ] = False,
-        quiet: Annotated[
-            bool, typer.Option("--quiet", "-q", callback=_be_quiet, expose_value=False, help=_QUIET)
-        ] = False,
-        verbose: Annotated[
-            bool, typer.Option("--verbose", "-v", callback=_be_verbose, expose_value=False, help=_VERBOSE)
-        ] = False,
-    ) -> None: ...
-
-    program = typer.Typer(add_completion=False)
-    program.command()(options)
-    return typer.main.get_command(program).params
+    options = typer.Typer(add_completion=False)
+    options.command()(program)
+    parameters: list[Any] = typer.main.get_command(options).params
+    for each in parameters:
+        each.hidden = each.name == "version"
+    return parameters
 
 
-_QUIET, _VERBOSE = "Print results and errors only, no progress.", "Also print debugging messages."
+def _flag(*names: str, act: Callable[[], None], summary: str) -> Any:
+    def call(given: bool) -> None:
+        if given:
+            act()
+
+    return typer.Option(*names, callback=call, is_eager=True, expose_value=False, help=summary)
 
 
-def _show_version(wanted: bool) -> None:
-    if wanted:
-        say(f"railgrip {__version__}")
-        raise typer.Exit
+def _show_version() -> None:
+    say(f"railgrip {__version__}")
+    raise typer.Exit
 
 
-def _be_quiet(given: bool) -> None:
-    if given:
-        show_messages(logging.WARNING)
+_be_quiet, _be_verbose = partial(show_messages, logging.WARNING), partial(show_messages, logging.DEBUG)
 
 
-def _be_verbose(given: bool) -> None:
-    if given:
-        show_messages(logging.DEBUG)
+def program(
+    version: Annotated[bool, _flag("--version", act=_show_version, summary="Print the version and exit.")] = False,
+    quiet: Annotated[
+        bool, _flag("--quiet", "-q", act=_be_quiet, summary="Print results and errors only, no progress.")
+    ] = False,
+    verbose: Annotated[
+        bool, _flag("--verbose", "-v", act=_be_verbose, summary="Also print debugging messages.")
+    ] = False,
+) -> None:
+    """The open bench for railway braking at low adhesion."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,16 +225,7 @@ app = typer.Typer(
 )
 
 
-@app.callback()
-def program(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and exit.")
-    ] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help=_QUIET)] = False,
-    verbose: Annotated[bool, typer.Option("--verbose", "-v", help=_VERBOSE)] = False,
-) -> None:
-    """The open bench for railway braking at low adhesion."""
-    show_messages(logging.WARNING if quiet else logging.DEBUG if verbose else logging.INFO)
+app.callback()(program)
 
 
 def complete(*kinds: Shelf) -> Any:

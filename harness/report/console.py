@@ -79,6 +79,7 @@ def complain(text: str) -> None:
 
 def answer(command: Callable[[], object]) -> None:
     """Run a command; an error that the user can correct ends in a message and its exit code, not in a traceback."""
+    show_messages(logging.INFO)  # unless an option of the command asks for others
     try:
         _require_folder()
         command()
