@@ -133,6 +133,7 @@ COMPLETE = {
     "overview_of": "sorts rows of a table, by the order of the campaign",
     "compare": "`zip` refuses laws whose stops are not those of the present estimates",
     "families": "sorts cases along an axis of friction",
+    "compare_controllers": "pairs each controller with the same one, case by case",
     "losses_of": "compares two laws at a time, on the cases that both have",
     "verdict": "counts the cases of each family, and sorts families by name",
     "recommendation": "leaves out laws that lack a case of the rail",

@@ -5,19 +5,18 @@ other law is clearly shorter in any family.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from statistics import median
+from collections.abc import Mapping
 from typing import Any, Final
 
+import numpy as np
 import pandas
 
 from railgrip.base import registry
 from railgrip.base.groups import gather
 from railgrip.report.frame import Frame, groups_of
-from railgrip.report.statistics import endless, on_common, quantile, relative_change
+from railgrip.report.statistics import endless, on_common, quantile
 from railgrip.report.table import ReportTable, names, share
-from railgrip.studies.type_test.stop_frames import EQUAL, Interval, Statistics, over_best, statistics_of
+from railgrip.studies.type_test.stop_frames import EQUAL, STATISTICS, Interval, over_best, statistics_of
 from railgrip.studies.type_test.track_case import BY_THE_CURVE, TABLE_1
 
 AXES: Final = ("curve", "over", "rail", "cleaning", "passage", "number of faults", "train", "mechanics")
@@ -26,7 +25,7 @@ AXES: Final = ("curve", "over", "rail", "cleaning", "passage", "number of faults
 FEWEST: Final = 5
 """Minimum number of compared cases of a family in which a controller can be said to lose."""
 
-COLUMNS: Final = ("axis", "value", "controller", "lost", *Statistics._fields)
+COLUMNS: Final = ("axis", "value", "controller", "lost", *STATISTICS)
 """Columns of `families`; `lost` is the share of the compared cases in which a controller is longer than the best
 baseline, None without a comparison."""
 
@@ -40,12 +39,13 @@ def by_family(stops: Frame) -> Frame:
 
 def families(stops: Frame) -> Frame:
     """Return a row for each controller in the cases of one value of one axis, in the order of `AXES`."""
-    rows: list[tuple[object, ...]] = []
+    rows: list[dict[str, object]] = []
     for (axis,), of_axis in groups_of(by_family(stops), ("axis",)):
         for (value, controller), own in groups_of(of_axis.sort_values("value", kind="stable"), ("value", "controller")):
             ratios = over_best(own)
             lost = float((ratios > 1.0 + EQUAL).mean()) if len(ratios) else None
-            rows.append((axis, value, controller, lost, *statistics_of(own)))
+            about = {"axis": axis, "value": value, "controller": controller, "lost": lost}
+            rows.append(about | statistics_of(own))
     return pandas.DataFrame(rows, columns=list(COLUMNS), dtype=object)
 
 
@@ -147,23 +147,6 @@ _LISTED: Final = 3
 """Number of laws that are listed for a kind of rail."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FamilyLoss:
-    """A family in which a law is beaten.
-
-    Attributes:
-        family: Axis and value.
-        other: The law with the shortest stops there.
-        ratio: Median of the distance over that of the other law in the same case; infinite if it does not stop.
-        cases: Number of cases with both.
-    """
-
-    family: str
-    other: str
-    ratio: float
-    cases: int
-
-
 def _rows_of_laws(stops: Frame) -> Frame:
     """Return the stops without those of controllers that know the true state and of full brake.
 
@@ -176,35 +159,33 @@ def _counts(family: str, cases: int) -> bool:
     return cases >= FEWEST or family == f"rail: {TABLE_1}"
 
 
-def losses_of(law: str, stops: Frame, *, small: bool = False) -> list[FamilyLoss]:
-    """Return the families in which a law is beaten, with the law that beats it by most, in the order of the axes.
+def losses_of(stops: Frame) -> Frame:
+    """Return the families in which a law is beaten, a row for each law and family, in the order of the axes.
 
     Laws are compared in the cases that both were run in.
 
+    Columns: `law`; `family`, axis and value; `is_small`, whether the law has too few cases there for a verdict;
+    `other`, the law that beats it by most; `ratio`, the median of the distance over that of the other law in the same
+    case, infinite if the law does not stop; `cases`, the number of cases with both.
+
     Args:
-        law: The law.
         stops: Judged stops.
-        small: Whether the families are those with too few cases for a verdict.
     """
     laws = by_family(_rows_of_laws(stops))
     laws = laws.assign(distance=laws["distance_m"].fillna(math.inf))
-    found: list[FamilyLoss] = []
+    rows: list[tuple[object, ...]] = []
     for (family,), here in groups_of(laws, ("family",)):
-        distances = {name: each.set_index("case")["distance"] for (name,), each in groups_of(here, ("controller",))}
-        own = distances.pop(law, None)
-        if own is None or _counts(family, len(own)) == small:
-            continue
-        losses: list[FamilyLoss] = []
-        for name, other in distances.items():
-            pairs = pandas.concat([own, other], axis=1, join="inner").to_numpy()
-            if len(pairs) and (small or _counts(family, len(pairs))):
-                # Of two cases `quantile` is the smaller one, in favour of the law.
-                change = median(relative_change(*pair) for pair in pairs)
-                losses.append(FamilyLoss(family=family, other=name, ratio=1.0 + change, cases=len(pairs)))
-        worst = max(losses, key=lambda loss: loss.ratio, default=None)
-        if worst is not None and worst.ratio > 1.0 + LIMIT:
-            found.append(worst)
-    return found
+        distances = here.pivot(index="case", columns="controller", values="distance")[here["controller"].unique()]
+        for law, own in distances.items():
+            ratios = distances.rdiv(own, axis=0).mask(np.isinf(distances).mul(np.isinf(own), axis=0), 1.0)
+            counts, is_small = ratios.count(), not _counts(family, own.count())
+            is_compared = [count > 0 and (is_small or _counts(family, count)) for count in counts]
+            medians = ratios.median()[is_compared].drop(law, errors="ignore")
+            if (medians > 1.0 + LIMIT).any():
+                other = medians.idxmax()
+                rows.append((law, family, is_small, other, medians[other], counts[other]))
+    columns = ["law", "family", "is_small", "other", "ratio", "cases"]
+    return pandas.DataFrame(rows, columns=columns).astype({"is_small": bool})
 
 
 def _by_median(stops: Frame) -> tuple[list[str], int]:
@@ -234,33 +215,37 @@ def verdict(stops: Frame) -> str:
     families_of = gather((law, family) for (law, family), cases in sizes.items() if _counts(family, cases))
     every = {family for families in families_of.values() for family in families}
     absent = [f"*{family}*" for family in sorted(every.difference(families_of.get(first, ())))]
-    found, small = losses_of(first, stops), _small_families(first, stops)
+    losses = losses_of(stops)
+    small, beaten = losses[losses["is_small"]], losses[~losses["is_small"]]
+    found, too_small = _listed(beaten, first), _small_families(first, stops, small)
     if not found and not absent:
         return (
-            f"{first} {'has the smallest median' if small else 'is the best law: its median is the smallest'} over the "
-            f"{count} {_COMPARED}, and no other law is shorter by more than {limit} in any of the "
-            f"{len(families_of.get(first, ()))} families that have {FEWEST} cases or are the rails of {TABLE_1}.{small}"
+            f"{first} {'has the smallest median' if too_small else 'is the best law: its median is the smallest'} over "
+            f"the {count} {_COMPARED}, and no other law is shorter by more than {limit} in any of the "
+            f"{len(families_of.get(first, ()))} families that have {FEWEST} cases or are the rails of {TABLE_1}."
+            f"{too_small}"
         )
     reasons = [
-        *([f"loses on {_listed(found)}"] if found else []),
+        *([f"loses on {found}"] if found else []),
         *([f"has too few results on {names(absent)}"] if absent else []),
     ]
-    unbeaten = [law for law in order[1:] if every.issubset(families_of.get(law, ())) and not losses_of(law, stops)]
+    losers = set(beaten["law"])
+    unbeaten = [law for law in order[1:] if every.issubset(families_of.get(law, ())) and law not in losers]
     rest = (
         f" Not beaten by more than {limit} in any family: {names(unbeaten)}."
         if unbeaten
         else f" No law with results in every family is unbeaten by {limit} in all of them."
     )
-    return f"{first} is best in the median over the {count} {_COMPARED}, but {' and '.join(reasons)}.{rest}{small}"
+    return f"{first} is best in the median over the {count} {_COMPARED}, but {' and '.join(reasons)}.{rest}{too_small}"
 
 
-def _small_families(law: str, stops: Frame) -> str:
+def _small_families(law: str, stops: Frame, losses: Frame) -> str:
     """Return a sentence on the families of a law that are too small for a verdict; empty without any."""
     sizes = by_family(stops[stops["controller"] == law]).groupby("family", sort=False).size()
     small = {family: cases for family, cases in sizes.items() if not _counts(family, cases)}
     if not small:
         return ""
-    lost = _listed(losses_of(law, stops, small=True))
+    lost = _listed(losses, law)
     return (
         f" {len(small)} families have fewer than {FEWEST} cases, too few to compare laws, so that none is called best: "
         f"{', '.join(f'*{family}* ({count})' for family, count in small.items())}. Another law is shorter by more than "
@@ -268,11 +253,11 @@ def _small_families(law: str, stops: Frame) -> str:
     )
 
 
-def _listed(losses: Sequence[FamilyLoss]) -> str:
-    return ", ".join(f"*{loss.family}* ({_text(loss)})" for loss in losses)
+def _listed(losses: Frame, law: str) -> str:
+    return ", ".join(f"*{loss.family}* ({_text(loss)})" for loss in losses[losses["law"] == law].itertuples())
 
 
-def _text(loss: FamilyLoss) -> str:
+def _text(loss: Any) -> str:
     ratio = "does not stop" if math.isinf(loss.ratio) else f"{loss.ratio:.3f}"
     return f"{ratio} of {loss.other} in {loss.cases} case{'s' if loss.cases > 1 else ''}"
 

@@ -1,7 +1,7 @@
 """The page of a type test: leaderboard, clauses, rankings, worst cases and figures, as views of the judged stops."""
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Final, TypedDict
 
 import numpy as np
@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from scipy.ndimage import median_filter
 
 from railgrip.base import registry
-from railgrip.base.arrays import Vector
 from railgrip.report import palette, style
 from railgrip.report.frame import Frame
 from railgrip.report.limits import AssessmentLimits
@@ -175,34 +174,27 @@ def compare_controllers(stops: Frame, against: str) -> ReportTable:
 
     Only cases in which both stop are compared; differences are positive if a stop is longer.
     """
-    by_controller = {name: own.set_index("case")["distance_m"] for name, own in stops.groupby("controller", sort=False)}
-    reference = by_controller.pop(against, pandas.Series(dtype=float))
-    rows: list[tuple[str | float, ...]] = []
-    for name, own in by_controller.items():
-        pairs = pandas.concat([own, reference], axis=1, join="inner").dropna().to_numpy()
-        if pairs.size:
-            ratios, metres = pairs[:, 0] / pairs[:, 1], pairs[:, 0] - pairs[:, 1]
-            counts = (int(np.sum(ratios < 1 - EQUAL)), int(np.sum(ratios > 1 + EQUAL)))
-            figures = (*(of(ratios) for of in _OF_RATIOS.values()), *(of(metres) for of in _OF_METRES.values()))
-            rows.append((name, len(pairs), *counts, *figures))
-    forms = dict.fromkeys(("controller", "both stop", "shorter", "longer"), "{}")
-    forms |= dict.fromkeys(_OF_RATIOS, "{:.3f}") | dict.fromkeys(_OF_METRES, "{:+.1f} m")
-    return ReportTable.of(forms, rows, title=f"Distance over that of {against}, case by case")
-
-
-_Statistics = Mapping[str, Callable[[Vector], float]]
-_OF_RATIOS: Final[_Statistics] = {
-    "least": np.min,
-    "median": np.median,
-    "mean": np.mean,
-    "most": np.max,
-}
-_OF_METRES: Final[_Statistics] = {
-    "shortened most": np.min,
-    "in the mean": np.mean,
-    "lengthened most": np.max,
-}
-"""Column → statistic over the cases."""
+    distances = stops.pivot(index="case", columns="controller", values="distance_m")[stops["controller"].unique()]
+    reference = distances.pop(against) if against in distances else pandas.Series(dtype=float)
+    ratios, metres = distances.div(reference, axis=0), distances.sub(reference, axis=0)
+    table = pandas.DataFrame(
+        {
+            "both stop": ratios.count(),
+            "shorter": (ratios < 1 - EQUAL).sum(),
+            "longer": (ratios > 1 + EQUAL).sum(),
+            "least": ratios.min(),
+            "median": ratios.median(),
+            "mean": ratios.mean(),
+            "most": ratios.max(),
+            "shortened most": metres.min(),
+            "in the mean": metres.mean(),
+            "lengthened most": metres.max(),
+        }
+    )
+    table = table[table["both stop"] > 0].rename_axis("controller").reset_index()
+    forms: dict[str, Form] = dict.fromkeys(("least", "median", "mean", "most"), "{:.3f}")
+    forms |= dict.fromkeys(("shortened most", "in the mean", "lengthened most"), "{:+.1f} m")
+    return ReportTable.of_frame(table, forms, title=f"Distance over that of {against}, case by case")
 
 
 def leaderboard(board: Frame) -> ReportTable:

@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Final, NamedTuple, cast
+from typing import Any, Final, cast
 
 import numpy as np
 import pandas
@@ -166,29 +166,10 @@ Interval = tuple[float | None, float | None]
 """Ends of a bootstrap interval; None for one that is infinite or unknown."""
 
 
-class Statistics(NamedTuple):
-    """Statistics of one controller over cases; one that is not finite is None.
-
-    Attributes:
-        cases: Number of cases.
-        compared: Number of those with a `best_m`, from which median and p95 are computed.
-        stops: Share of cases with a standstill.
-        median: Median of distance over `best_m` of the same case.
-        median_interval: Its interval.
-        p95: 95 % quantile of that.
-        p95_interval: Its interval.
-        over_bound: Median of distance over that of the bound.
-    """
-
-    cases: int
-    compared: int
-    stops: float
-    median: float | None
-    median_interval: Interval
-    p95: float | None
-    p95_interval: Interval
-    over_bound: float | None
-
+STATISTICS: Final = (
+    "cases", "compared", "stops", "median", "median_interval", "p95", "p95_interval", "over_bound",
+)  # fmt: skip
+"""Names of `statistics_of`."""
 
 BOARD: Final = (
     "controller", "description", "role", "tuned", "cases", "stops", "compared", "median", "median_interval", "p95",
@@ -202,7 +183,7 @@ def summaries(stops: Frame, taking_part: Mapping[str, Entrant]) -> Frame:
     """Return the leaderboard: a row for each controller, shortest median first, those without a baseline last.
 
     A stop without standstill counts as infinite, and a statistic that is not finite is None. Columns are `BOARD`:
-    fields of `Statistics`, and
+    those of `statistics_of`, and
 
     - `description`, `role`, `tuned` of the entrant, and `worst`, the maximum of distance over `best_m`
     - `k_wet`, `k_wet_low`, `k_wet_high`: 10 % quantile of K_wet in the cases in which the extension is judged, and its
@@ -227,7 +208,7 @@ def summaries(stops: Frame, taking_part: Mapping[str, Entrant]) -> Frame:
             {
                 "controller": name,
                 **{key: getattr(entrant, key) for key in ("description", "role", "tuned")},
-                **statistics_of(own)._asdict(),
+                **statistics_of(own),
                 "worst": _quantile(over_best(own), 1.0),
                 "k_wet": _quantile(wet, 0.1),
                 "k_wet_low": low,
@@ -246,19 +227,29 @@ def summaries(stops: Frame, taking_part: Mapping[str, Entrant]) -> Frame:
     return board.sort_values("median", key=lambda of: of.astype(float), kind="stable", ignore_index=True)
 
 
-def statistics_of(stops: Frame) -> Statistics:
-    """Return the statistics of one controller over cases."""
+def statistics_of(stops: Frame) -> dict[str, Any]:
+    """Return statistics of one controller over cases; one that is not finite is None.
+
+    Returns:
+        cases: Number of cases.
+        compared: Number of those with a `best_m`, from which median and p95 are computed.
+        stops: Share of cases with a standstill.
+        median: Median of distance over `best_m` of the same case.
+        median_interval: Its interval.
+        p95: 95 % quantile of that.
+        p95_interval: Its interval.
+        over_bound: Median of distance over that of the bound.
+    """
     ratios, bounds = over_best(stops), stops["over_bound"][stops["bound_m"].notna()].fillna(math.inf)
-    return Statistics(
-        cases=len(stops),
-        compared=len(ratios),
-        stops=float(stops["distance_m"].notna().mean()),
-        median=_quantile(ratios, 0.5),
-        median_interval=interval_of(ratios, 0.5),
-        p95=_quantile(ratios, 0.95),
-        p95_interval=interval_of(ratios, 0.95),
-        over_bound=_quantile(bounds, 0.5),
-    )
+    levels = {"median": 0.5, "p95": 0.95}
+    return {
+        "cases": len(stops),
+        "compared": len(ratios),
+        "stops": float(stops["distance_m"].notna().mean()),
+        **{name: _quantile(ratios, level) for name, level in levels.items()},
+        **{f"{name}_interval": interval_of(ratios, level) for name, level in levels.items()},
+        "over_bound": _quantile(bounds, 0.5),
+    }
 
 
 def over_best(stops: Frame) -> Frame:
