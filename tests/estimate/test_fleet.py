@@ -16,6 +16,7 @@ from fleet_stops import (
     needed_row,
     stop_estimate,
 )
+from scipy.linalg import block_diag
 
 from railgrip.estimation.fleet import Hierarchy, StopEstimate, estimate_fleet
 from railgrip.studies.pad_monitor.evidence import evidence_of
@@ -70,32 +71,27 @@ def hierarchy() -> Hierarchy:
     )
 
 
-def test_a_fleet_equals_least_squares_of_all_stops_at_once(hierarchy):
-    """Normal equations of prior and stops, stacked and whitened."""
+def test_a_fleet_equals_the_conditional_of_one_gaussian(hierarchy):
+    """All quantities and offsets are linear in independent normal numbers, and so are all stops at once."""
     stops, *_ = fleet(0, hierarchy)
     found = estimate_fleet(stops, hierarchy, TRAINS)
     (n, q), c = hierarchy.lots.shape, hierarchy.offset_deviation.size
-    size = q + TRAINS * (n + c)
-    rows, right = [np.eye(q, size) / hierarchy.lot_deviation[:, None]], [hierarchy.lot_mean / hierarchy.lot_deviation]
+    of_train = np.diag(np.append(hierarchy.train_deviation, hierarchy.offset_deviation))
+    root = block_diag(np.diag(hierarchy.lot_deviation), *[of_train] * TRAINS)
+    mean, rows = np.concatenate([hierarchy.lot_mean, np.zeros(TRAINS * (n + c))]), []
     for train in range(TRAINS):
         first = q + train * (n + c)
-        deviation = np.zeros((n, size))
-        deviation[:, :q], deviation[:, first : first + n] = -hierarchy.lots, np.eye(n)
-        offset = np.zeros((c, size))
-        offset[:, first + n : first + n + c] = np.eye(c)
-        rows += [deviation / hierarchy.train_deviation[:, None], offset / hierarchy.offset_deviation[:, None]]
-        right.append(np.zeros(n + c))
+        root[first : first + n, :q] = hierarchy.lots * hierarchy.lot_deviation
+        mean[first : first + n] = hierarchy.lots @ hierarchy.lot_mean
     for stop in stops:
-        scattered = stop.of_quantities * hierarchy.stop_deviation
-        whitening = np.linalg.inv(np.linalg.cholesky(stop.covariance + scattered @ scattered.T))
-        first = q + stop.train * (n + c)
-        row = np.zeros((len(stop.mean), size))
-        row[:, first : first + n + c] = np.hstack([stop.of_quantities, stop.of_offsets])
-        rows.append(whitening @ row)
-        right.append(whitening @ stop.mean)
-    stack = np.vstack(rows)
-    solution = np.linalg.lstsq(stack, np.concatenate(right), rcond=None)[0]
-    deviation = np.sqrt(np.diag(np.linalg.inv(stack.T @ stack)))
+        before, after = q + stop.train * (n + c), (TRAINS - 1 - stop.train) * (n + c)
+        rows.append(np.pad(np.hstack([stop.of_quantities, stop.of_offsets]), ((0, 0), (before, after))))
+    scattered = [stop.of_quantities * hierarchy.stop_deviation for stop in stops]
+    noise = block_diag(*(stop.covariance + one @ one.T for stop, one in zip(stops, scattered, strict=True)))
+    prior, seen = root @ root.T, np.vstack(rows)
+    gain = np.linalg.solve(seen @ prior @ seen.T + noise, seen @ prior).T
+    solution = mean + gain @ (np.concatenate([stop.mean for stop in stops]) - seen @ mean)
+    deviation = np.sqrt(np.diag(prior - gain @ seen @ prior))
     np.testing.assert_allclose(found.lot, solution[:q], atol=1e-10)
     np.testing.assert_allclose(found.lot_deviation, deviation[:q], rtol=1e-8)
     trains = solution[q:].reshape(TRAINS, n + c)
