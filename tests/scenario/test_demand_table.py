@@ -1,11 +1,12 @@
 """The table [demand]: its meaning in numbers, and its refusals."""
 
-import sys
 import tomllib
+from functools import partial
 
 import numpy as np
 import pytest
 import synthetic
+from calls import calls_of
 from synthetic import LAYOUT, LIBRARY
 
 from railgrip.base.errors import ScenarioError
@@ -60,28 +61,19 @@ def test_a_profile_is_linear_between_its_points(tmp_path):
 
 
 def test_a_long_profile_needs_few_calls_per_row(tmp_path):
-    """Calls are counted, not seconds: a million rows take some ten seconds with few calls per row."""
+    """A million rows take some ten seconds with few calls per row."""
 
-    def calls(rows):
+    for rows in (3, 1000, 3000):
         lines = "".join(f"{number},{1e5 * (number % 3)}\n" for number in range(rows))
         (tmp_path / f"{rows}.csv").write_text(f"time,pressure\n{lines}", encoding="utf-8")
-        count = 0
 
-        def note(frame, event, argument):
-            nonlocal count
-            count += event in {"call", "c_call"}
+    def read(rows):
+        demand = scenario_with({"file": f"{rows}.csv"}, tmp_path).demand
+        drawn = phases_of(LAYOUT, demand, synthetic.FULL.tolist())
+        Driver(LAYOUT, 1e-3, full=synthetic.FULL, release_pressure=np.zeros(4), phases=drawn)
 
-        sys.setprofile(note)
-        try:
-            demand = scenario_with({"file": f"{rows}.csv"}, tmp_path).demand
-            drawn = phases_of(LAYOUT, demand, synthetic.FULL.tolist())
-            Driver(LAYOUT, 1e-3, full=synthetic.FULL, release_pressure=np.zeros(4), phases=drawn)
-        finally:
-            sys.setprofile(None)
-        return count
-
-    calls(3)  # import everything that is imported once
-    short, long = calls(1000), calls(3000)
+    read(3)  # import everything that is imported once
+    short, long = (calls_of(partial(read, rows)) for rows in (1000, 3000))
     assert long - short < 10 * 2000  # reading a row of two cells takes five; a quadratic algorithm would take thousands
 
 
