@@ -14,56 +14,47 @@ from railgrip.fmus.recipe import MODELICA
 
 
 @pytest.mark.parametrize(
-    ("text", "dimension", "factor"),
+    ("spellings", "dimension", "factor"),
     [
-        ("1", "1", 1.0),
-        ("Pa", "kg.m-1.s-2", 1.0),
-        ("bar", "kg.m-1.s-2", 1e5),
-        ("N.m", "kg.m2.s-2", 1.0),
-        ("kN", "kg.m.s-2", 1e3),
-        ("km/h", "m.s-1", 1 / 3.6),
-        ("m/s2", "m.s-2", 1.0),
-        ("rad/s", "s-1.rad", 1.0),
-        ("rev/min", "s-1.rad", 2 * math.pi / 60),
-        ("rpm", "s-1.rad", 2 * math.pi / 60),
-        ("J/(kg.K)", "m2.s-2.K-1", 1.0),
-        ("N/(km/h)", "kg.s-1", 3.6),
-        ("kN/(km/h)2", "kg.m-1", 12960.0),
-        ("daN/(km/h)2", "kg.m-1", 129.6),
-        ("lbf/(mph)^2", "kg.m-1", 4.4482216152605 / 0.44704**2),
-        ("N/(m/s)²", "kg.m-1", 1.0),
-        ("kg.m2", "kg.m2", 1.0),
-        ("mm", "m", 1e-3),
-        ("ms", "s", 1e-3),
-        ("µs", "s", 1e-6),
-        ("ft", "m", 0.3048),
-        ("l", "m3", 1e-3),
-        ("deg", "rad", math.pi / 180),
-        ("%", "1", 0.01),
-        ("‰", "1", 1e-3),
-        ("t", "kg", 1e3),
-        ("m3", "m3", 1.0),
-        ("s-1", "s-1", 1.0),
-        ("", "1", 1.0),
-        ("kg*m**2", "kg.m2", 1.0),
-        ("m/s²", "m.s-2", 1.0),
-        ("m/s^2", "m.s-2", 1.0),
-        ("1/min", "s-1", 1 / 60),
-        ("kmph", "m.s-1", 1 / 3.6),
-        ("kmh", "m.s-1", 1 / 3.6),
-        ("mph", "m.s-1", 0.44704),
-        ("N m", "kg.m2.s-2", 1.0),
-        ("°", "rad", math.pi / 180),
-        ("W.s/(K.m)", "kg.m.s-2.K-1", 1.0),
-        ("W/degC", "kg.m2.s-3.K-1", 1.0),
-        ("kW.h", "kg.m2.s-2", 3.6e6),
+        (["", "1"], "1", 1.0),
+        (["%"], "1", 0.01),
+        (["‰"], "1", 1e-3),
+        (["Pa"], "kg.m-1.s-2", 1.0),
+        (["bar"], "kg.m-1.s-2", 1e5),
+        (["N.m", "N m"], "kg.m2.s-2", 1.0),
+        (["kW.h"], "kg.m2.s-2", 3.6e6),
+        (["kN"], "kg.m.s-2", 1e3),
+        (["km/h", "kmph", "kmh"], "m.s-1", 1 / 3.6),
+        (["mph"], "m.s-1", 0.44704),
+        (["m/s2", "m/s²", "m/s^2"], "m.s-2", 1.0),
+        (["rad/s"], "s-1.rad", 1.0),
+        (["rev/min", "rpm"], "s-1.rad", 2 * math.pi / 60),
+        (["J/(kg.K)"], "m2.s-2.K-1", 1.0),
+        (["N/(km/h)"], "kg.s-1", 3.6),
+        (["kN/(km/h)2"], "kg.m-1", 12960.0),
+        (["daN/(km/h)2"], "kg.m-1", 129.6),
+        (["lbf/(mph)^2"], "kg.m-1", 4.4482216152605 / 0.44704**2),
+        (["N/(m/s)²"], "kg.m-1", 1.0),
+        (["kg.m2", "kg*m**2"], "kg.m2", 1.0),
+        (["mm"], "m", 1e-3),
+        (["ft"], "m", 0.3048),
+        (["l"], "m3", 1e-3),
+        (["m3"], "m3", 1.0),
+        (["ms"], "s", 1e-3),
+        (["µs"], "s", 1e-6),
+        (["s-1"], "s-1", 1.0),
+        (["1/min"], "s-1", 1 / 60),
+        (["deg", "°"], "rad", math.pi / 180),
+        (["t"], "kg", 1e3),
+        (["W.s/(K.m)"], "kg.m.s-2.K-1", 1.0),
+        (["W/degC"], "kg.m2.s-3.K-1", 1.0),
     ],
 )
-def test_a_unit_string_has_its_defined_meaning(text: str, dimension: str, factor: float):
-    value = unit(text)
-    assert sorted(value.dimension.split(".")) == sorted(dimension.split("."))
-    # A handful of multiplications: a few units in the last place.
-    assert value.factor == pytest.approx(factor, rel=1e-15)
+def test_a_unit_string_has_its_defined_meaning(spellings: list[str], dimension: str, factor: float):
+    for value in map(unit, spellings):
+        assert sorted(value.dimension.split(".")) == sorted(dimension.split("."))
+        # A handful of multiplications: a few units in the last place.
+        assert value.factor == pytest.approx(factor, rel=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -103,12 +94,18 @@ def test_a_frequency_is_written_in_hertz_or_per_second():
 
 @given(st.text(max_size=40))
 def test_any_text_is_a_unit_or_refused_in_a_sentence(text: str):
-    sentence = "is not a unit known here"
-    try:
-        assert unit(text).factor > 0.0
-    except UnitError as problem:
-        sentence = str(problem)
-    assert "is not a unit known here" in sentence
+    """And a quantity or refused."""
+    uses = {
+        "is not a unit known here": lambda: unit(text).factor > 0.0,
+        "is ": lambda: isinstance(to_si(text, "m/s"), float),
+    }
+    for words, use in uses.items():
+        sentence = words
+        try:
+            assert use()
+        except UnitError as problem:
+            sentence = str(problem)
+        assert words in sentence
 
 
 @pytest.mark.parametrize("factor", [0.0, math.inf, math.nan])
@@ -125,6 +122,7 @@ def test_converting_there_and_back_gives_the_same_value(value: float, pair: tupl
     magnitude = there[0] * value + there[1]
     # At most six roundings of 1.1e-16, of the largest number involved; for temperatures that is the offset.
     assert back[0] * magnitude + back[1] == pytest.approx(value, rel=1e-15, abs=4e-13)
+    assert to_si(f"{value!r} {pair[0]}", pair[1]) == pytest.approx(magnitude, rel=1e-12, abs=1e-300)
 
 
 def test_gravity_is_that_of_the_modelica_package():

@@ -98,10 +98,3 @@ def test_an_impossible_path_is_reported_as_a_missing_file(path):
 def test_a_rail_finer_than_the_samples_is_refused(name, key):
     scenario = load(SCENARIOS / "library" / f"{name}.toml", [f"adhesion.{key}"])
     assert "too fine for a rail that is looked at every 0.001 s" in refusal(profile_of, scenario, TWO_PART_TRAIN)
-
-
-def test_frequencies_are_in_hertz_or_per_second():
-    sweeps = [
-        load(SCENARIOS / "library" / "sine_sweep.toml", [f"adhesion.end_frequency='0.4 {u}'"]) for u in ("Hz", "1/s")
-    ]
-    assert sweeps[0].adhesion.frequencies == sweeps[1].adhesion.frequencies == (0.05, 0.4)
