@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -129,22 +130,32 @@ def test_distances_of_another_compiler_are_added_to_the_repeats_of_the_same_stop
             merged({"one": again}, other, "openmodelica")
 
 
-def test_a_divided_step_keeps_the_periods_of_all_other_parts(tmp_path, write_campaign):
-    """Stops whose repeats belong to another scenario get none."""
+@pytest.fixture
+def refined(tmp_path, write_campaign):
+    """Return a function that refines the repeats of the first of the stops; a case has the distance of a function."""
     campaign = write_campaign(tmp_path, lambda stop: stop.name.startswith("trapezoid-ideal-"))
     stop, *others = campaign.stops
     repeated = RepeatedDistances(digest=stop.scenario.digest(), distances=(300.0, 301.0, 302.0))
     before = ConditioningFile(relative=1e-7, stops={stop.name: repeated})
-    seen = []
 
-    class Work:
-        def map(self, function, cases):
+    def refine(of, distance):
+        seen = []
+
+        def run(function, cases):
             seen.extend(cases)
-            return [float(round(1e4 * case.periods.communication)) for case in cases]
+            return [distance(case) for case in cases]
 
-    divided, without = with_refinement(campaign, before, Work(), of="steps", count=2)
+        found, without = with_refinement(campaign, before, SimpleNamespace(map=run), of=of, count=2)
+        assert found[stop.name].distances == repeated.distances
+        return stop, others, found, without, seen
+
+    return refine
+
+
+def test_a_divided_step_keeps_the_periods_of_all_other_parts(refined):
+    """Stops whose repeats belong to another scenario get none."""
+    stop, others, divided, without, seen = refined("steps", lambda case: float(round(1e4 * case.periods.communication)))
     assert divided[stop.name].steps == {2: (50.0, 50.0), 4: (25.0, 25.0)}
-    assert divided[stop.name].distances == repeated.distances
     assert without.keys() == {other.name for other in others}
     assert all("controller.kind" not in reason and reason for reason in without.values())
     for case in seen:
@@ -235,26 +246,9 @@ def test_the_tables_of_tolerances_and_compilers_have_medians_and_ranges_of_all_s
     assert row["as in the recipe"].strip("*").startswith("+1.00 ± ")
 
 
-def test_a_stop_is_repeated_at_other_tolerances(tmp_path, write_campaign):
-    campaign = write_campaign(tmp_path, lambda stop: stop.name.startswith("trapezoid-ideal-"))
-    stop = campaign.stops[0]
-    repeated = RepeatedDistances(digest=stop.scenario.digest(), distances=(300.0, 301.0, 302.0))
-    before = ConditioningFile(relative=1e-7, stops={stop.name: repeated})
-    digests = set()
-
-    class Work:
-        def map(self, function, cases):
-            digests.update(case.digest() for case in cases)
-            return [-np.log10(case.vehicle.parameters["_tolerance"].entry) for case in cases]
-
-    refined, _ = with_refinement(campaign, before, Work(), of="tolerances", count=2)
-    assert refined[stop.name].tolerances == {10.0**-k: (float(k), float(k)) for k in (4, 6, 7)}
-    assert len(digests) == 6
-    assert read_back(tmp_path, refined) == refined
-
-
-def read_back(folder, stops):
-    """Return repeats as written to a file and read from it."""
-    file = folder / "written.json"
-    file.write_text(text_of(ConditioningFile(relative=1e-7, stops=stops)))
-    return read_conditioning(file).stops
+def test_a_stop_is_repeated_at_other_tolerances(tmp_path, refined):
+    stop, _, found, _, seen = refined("tolerances", lambda case: -np.log10(case.vehicle.parameters["_tolerance"].entry))
+    assert found[stop.name].tolerances == {10.0**-k: (float(k), float(k)) for k in (4, 6, 7)}
+    assert len({case.digest() for case in seen}) == 6
+    (tmp_path / "written.json").write_text(text_of(ConditioningFile(relative=1e-7, stops=found)))
+    assert read_conditioning(tmp_path / "written.json").stops == found

@@ -80,19 +80,18 @@ def test_random_friction_has_the_stated_mean_deviation_and_correlation():
         assert autocorrelation == pytest.approx(expected, abs=0.06)
 
 
-def test_random_friction_depends_on_the_seed_and_is_within_its_limits():
+def test_random_friction_depends_on_the_seed_alone_and_is_within_its_limits():
+    """Not on the horizon."""
     time = np.arange(0, 90, 1e-3)
     one, same, other = (profile("random", f"seed={seed}").table(time, time) for seed in (1, 1, 2))
     assert np.array_equal(one, same)
     assert not np.array_equal(one, other)
     assert one[:, 0].min() >= 0.03
     assert one.max() <= 0.15
-
-
-def test_a_longer_horizon_does_not_change_earlier_friction():
-    time = np.arange(0, 20, 1e-3)
-    short, long = (profile("random", f"limits.horizon={h} s").table(time, time) for h in (30, 60))
-    assert np.array_equal(short, long)
+    time = time[:20000]
+    short, long = (profile("random", "seed=1", f"limits.horizon={h} s").table(time, time) for h in (30, 60))
+    assert np.array_equal(short, one[:20000])
+    assert np.array_equal(long, short)
 
 
 ON_THE_RAIL = ["adhesion.over=distance", "adhesion.correlation=10 m", *PLAIN]
@@ -123,18 +122,6 @@ def test_conditioning_raises_minima_from_front_to_rear_and_keeps_maxima(by):
 def test_level_scales_the_first_wheelset(level):
     base, scaled = profile("sine_sweep"), profile("sine_sweep", f"adhesion.level={level!r}")
     assert scaled.mu0_at[:, 0] == pytest.approx(level * base.mu0_at[:, 0])
-
-
-@given(
-    name=st.sampled_from(["trapezoid", "sine_sweep", "random"]),
-    times=st.lists(st.floats(0, 200), min_size=1, max_size=20),
-)
-def test_single_and_vectorised_look_ups_agree(name, times):
-    found = profile(name, "limits.horizon=30 s")
-    times = np.array(times)
-    many = found.table(times, 20 * times)
-    assert np.array_equal(many, [friction_at(found, time, 20 * time) for time in times])
-    assert np.all((many > 0) & (many <= 1))
 
 
 def test_the_table_of_the_loop_is_read_only():

@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from test_extends import TEN_LINES
 
 import railgrip
 from railgrip.base.registry import shelf
@@ -13,18 +14,7 @@ from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.ideal import _full_brake
 
-SCENARIO = """
-[vehicle]
-train = "mine.toml"
-[start]
-speed = "80 km/h"
-[adhesion]
-kind = "constant"
-polach = "dry"
-mu0 = 0.12
-[controller]
-kind = "full_brake"
-"""
+SCENARIO = TEN_LINES.replace('plant = "TwoPartTrain"', 'train = "mine.toml"').replace("slip_two_state", "full_brake")
 
 
 @pytest.fixture

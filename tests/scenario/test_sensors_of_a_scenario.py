@@ -94,6 +94,8 @@ def rows_of(scenario, truths):
 
 def test_readings_do_not_depend_on_the_communication_step():
     """Sampled each millisecond, readings of the same truth are equal with a loop at 1, 0.5 or 0.25 ms."""
+    assert service("0.3 ms").sensors.sampled_every(3e-4) == 3
+    assert service("2 ms").sensors.sampled_every(2e-3) == 1  # a coarser loop reads at each of its steps
     readings = []
     for step in ("1 ms", "0.5 ms", "0.25 ms"):
         scenario = service(step)
@@ -104,27 +106,24 @@ def test_readings_do_not_depend_on_the_communication_step():
 
 
 @pytest.mark.parametrize("times", [2, 4, 5])
-def test_a_coarser_loop_has_the_noise_of_its_reading_instants(times):
-    """Noise is drawn each millisecond, also beyond a block of draws."""
-    noises = []
+def test_a_coarser_loop_reads_like_a_fine_one(times):
+    """The truth is linear between the readings, so interpolation is exact apart from rounding.
+
+    Noise is that of the reading instants: it is drawn each millisecond, also beyond a block of draws.
+    """
+    places = np.r_[LAYOUT.reading["wheelset_speed"], LAYOUT.reading["cylinder_pressure"]]
+    noisy = np.r_[LAYOUT.reading["acceleration"], LAYOUT.reading["deflection"]]
+    last, noises = [], []
     for scenario, step in ((service("1 ms"), 1), (service(f"{times} ms"), times)):
-        readings = rows_of(scenario, np.zeros((6000 // step, LAYOUT.outputs)))
-        noises.append(readings[:, np.r_[LAYOUT.reading["acceleration"], LAYOUT.reading["deflection"]]])
+        time = step * np.arange(6000 // step)[:, None]
+        truths = np.zeros((len(time), LAYOUT.outputs))
+        truths[:, LAYOUT.output["wheelset_speed"]] = 40.0 - 0.005 * time
+        truths[:, LAYOUT.output["cylinder_pressure"]] = 1e5 * (1.0 + 0.5e-3 * time)
+        readings = rows_of(scenario, truths)
+        last.append(pd.DataFrame(readings[:, places]).ffill().to_numpy())
+        noises.append(readings[:, noisy])
     assert np.array_equal(noises[0][::times], noises[1])
     assert noises[1].std(axis=0).min() > 0.0
-
-
-@pytest.mark.parametrize("times", [2, 4, 5])
-def test_a_coarser_loop_reads_encoders_and_transducers_like_a_fine_one(times):
-    """The truth is linear between the readings, so interpolation is exact apart from rounding."""
-    places = np.r_[LAYOUT.reading["wheelset_speed"], LAYOUT.reading["cylinder_pressure"]]
-    last = []
-    for scenario, step in ((service("1 ms"), 1), (service(f"{times} ms"), times)):
-        time = step * np.arange(2000 // step)[:, None]
-        truths = np.zeros((len(time), LAYOUT.outputs))
-        truths[:, LAYOUT.output["wheelset_speed"]] = 40.0 - 0.015 * time
-        truths[:, LAYOUT.output["cylinder_pressure"]] = 1e5 * (1.0 + 1e-3 * time)
-        last.append(pd.DataFrame(rows_of(scenario, truths)[:, places]).ffill().to_numpy())
     assert last[1][1:] == pytest.approx(last[0][::times][1:], rel=1e-6, nan_ok=True)
     assert np.isfinite(last[1][20:]).all()
 
@@ -155,11 +154,6 @@ def test_a_coarser_loop_reads_the_radar_at_its_rate_and_latency(step):
     assert speed[due] == pytest.approx(times[due] - 0.05, abs=1e-12)
     multiples = 0.05 * np.arange(1, 1 + due.size)
     assert times[due] == pytest.approx(period * np.ceil(multiples / period - 1e-9))
-
-
-def test_a_coarser_loop_reads_at_each_of_its_steps():
-    assert service("2 ms").sensors.sampled_every(2e-3) == 1
-    assert service("0.3 ms").sensors.sampled_every(3e-4) == 3
 
 
 def driven(scenario, speed=20.0, seconds=40.0):
