@@ -1,5 +1,6 @@
 """The files of the project, in a clone and in an unpacked source distribution."""
 
+import ast
 import os
 from collections.abc import Iterator
 from fnmatch import fnmatch
@@ -29,3 +30,10 @@ def project_files() -> tuple[str, ...]:
 def modules() -> tuple[Path, ...]:
     """Return the modules of the packages and of the tools."""
     return tuple(ROOT / name for name in project_files() if name.endswith(".py") and name.startswith(PACKAGES))
+
+
+@cache
+def trees() -> dict[Path, tuple[str, ast.Module]]:
+    """Return text and syntax tree of each of these modules."""
+    texts = {path: path.read_text(encoding="utf-8") for path in modules()}
+    return {path: (text, ast.parse(text)) for path, text in texts.items()}

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from command_line import ran
-from project_files import modules
+from project_files import trees
 
 from railgrip.base import cache, programs
 from railgrip.fmus.native import toolchain
@@ -34,17 +34,11 @@ def functions(tree: ast.AST) -> Iterator[ast.AST]:
             yield from functions(node)
 
 
-@pytest.fixture(scope="module")
-def trees() -> dict[str, tuple[str, ast.Module]]:
-    """Text and syntax tree of each source by its path."""
-    texts = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in modules()}
-    return {path: (text, ast.parse(text)) for path, text in texts.items()}
-
-
-def test_posix_only_names_are_used_only_after_a_check(trees):
+def test_posix_only_names_are_used_only_after_a_check():
     """A function that uses one checks `os.name` or the name; no module imports one at its top."""
-    for path in trees.keys() - POSIX_FILES:
-        text, tree = trees[path]
+    for path, (text, tree) in trees().items():
+        if path.relative_to(ROOT).as_posix() in POSIX_FILES:
+            continue
         top = {name.name for node in tree.body if isinstance(node, ast.Import) for name in node.names}
         assert not top & POSIX_MODULES, path
         for part in functions(tree):
@@ -62,9 +56,9 @@ def test_posix_only_names_are_used_only_after_a_check(trees):
                 assert "os.name" in segment or "hasattr(" in segment, (path, part.lineno, used)
 
 
-def test_text_files_are_read_and_written_in_a_stated_encoding(trees):
+def test_text_files_are_read_and_written_in_a_stated_encoding():
     """On Windows the default depends on the language. ruff's PLW1514 finds fewer of these calls."""
-    for path, (_, tree) in trees.items():
+    for path, (_, tree) in trees().items():
         for node in ast.walk(tree):
             if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
                 continue

@@ -4,7 +4,7 @@ import ast
 import re
 from pathlib import Path
 
-from project_files import modules
+from project_files import trees
 
 ROOT = Path(__file__).parents[2]
 FUNCTION = ast.FunctionDef, ast.AsyncFunctionDef
@@ -52,11 +52,11 @@ def findings(tree, classes):
 
 def test_a_described_argument_or_attribute_exists():
     """If this fails, correct the name in the docstring, or remove its line."""
-    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in modules()}
-    classes = {node.name: node for tree in trees.values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
+    every = (node for _, tree in trees().values() for node in ast.walk(tree))
+    classes = {node.name: node for node in every if isinstance(node, ast.ClassDef)}
     wrong = [
         f"{path.relative_to(ROOT)}: {owner} has no '{name}'"
-        for path, tree in trees.items()
+        for path, (_, tree) in trees().items()
         for owner, name in findings(tree, classes)
     ]
     assert wrong == []

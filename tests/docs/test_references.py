@@ -7,7 +7,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 
 import pytest
-from project_files import PACKAGES, modules, project_files
+from project_files import PACKAGES, modules, project_files, trees
 from test_docstrings import members
 
 ROOT = Path(__file__).parents[2]
@@ -74,8 +74,8 @@ def modelica_exists(name: str) -> bool:
 def classes() -> dict[str, set[str]]:
     """Return the classes of the sources with all names in their bodies; classes of equal name are merged."""
     found: dict[str, set[str]] = {}
-    for path in modules():
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for _, tree in trees().values():
+        for node in ast.walk(tree):
             if isinstance(node, ast.ClassDef):
                 found.setdefault(node.name, set()).update(members(node), {"*"} if node.bases else ())
     return found
