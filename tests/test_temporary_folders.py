@@ -2,7 +2,6 @@
 
 import os
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
@@ -77,41 +76,6 @@ def test_a_folder_without_the_mark_is_kept_whatever_its_name(temporary, names):
             pass
         for folder in (*own, target):
             assert (folder / "binaries" / "kept.txt").read_text() == "mine"
-
-
-KILLED = """
-import sys, time
-from pathlib import Path
-from railgrip.campaign.workers import workers
-from railgrip.base.files import scratch
-
-if __name__ == "__main__":
-    with workers(1) as pool, scratch("build"), scratch("study"):
-        pool.submit(len, "it runs").result()
-        print("ready", flush=True)
-        time.sleep(600)
-"""
-
-
-def test_folders_of_a_killed_parent_are_removed_at_the_next_start(tmp_path, temporary):
-    (tmp_path / "temporary").mkdir()
-    (tmp_path / "program.py").write_text(KILLED, encoding="utf-8")
-    with subprocess.Popen(
-        [sys.executable, "program.py"],
-        cwd=tmp_path,
-        env={**os.environ, "TMPDIR": str(tmp_path / "temporary"), "PYTHONPATH": os.pathsep.join(sys.path)},
-        stdout=subprocess.PIPE,
-        text=True,
-    ) as parent:
-        assert parent.stdout is not None
-        assert parent.stdout.readline() == "ready\n"
-        parent.kill()
-    folder = tmp_path / "temporary"
-    assert len(list(folder.iterdir())) == 3
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tempfile, "tempdir", str(folder))
-        with scratch("fmu") as mine:
-            assert list(folder.iterdir()) == [mine]
 
 
 def test_folders_unpacked_by_workers_are_removed_with_their_pool(temporary):

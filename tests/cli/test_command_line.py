@@ -11,6 +11,7 @@ import pytest
 import synthetic_runner
 from one_process import one_process
 from pages import figures_of
+from test_signals import members
 from waiting import LONGEST, until
 from wrong import table
 
@@ -75,30 +76,30 @@ def test_a_wrong_input_exits_2_with_a_sentence(railgrip, words, sentence):
     assert sentence in result.err
 
 
-@pytest.mark.parametrize("arguments", [("run", "wet.toml"), ("campaign", "pair.toml")], ids=" ".join)
-def test_an_unwritable_result_is_reported_before_anything_runs(railgrip, project, arguments):
-    (project / "taken").write_text("a file", encoding="utf-8")
-    result = railgrip(*arguments, "--set", "description=break", "--out", "taken/out")
-    assert result.code == 2
-    assert "taken/out: results cannot be written there: Not a directory; name another folder by --out" in result.err
-
-
 @pytest.mark.parametrize(
     ("arguments", "place"),
     [
-        (("run", "wet.toml"), "stop.json"),
-        (("run", "wet.toml"), "trace.nc"),
-        (("campaign", "pair.toml"), "campaign.json"),
-        (("campaign", "pair.toml"), "index.html"),
-        (("export", "wet.toml"), ""),
+        ("run wet.toml", "out/stop.json"),
+        ("run wet.toml", "out/trace.nc"),
+        ("campaign pair.toml", "out/campaign.json"),
+        ("campaign pair.toml", "out/index.html"),
+        ("export wet.toml", "out"),
+        ("run wet.toml", ""),
+        ("campaign pair.toml", ""),
     ],
-    ids=lambda value: value if isinstance(value, str) else " ".join(value),
 )
-def test_a_folder_in_the_place_of_a_file_is_reported_before_anything_runs(railgrip, project, arguments, place):
-    (project / "out" / place).mkdir(parents=True)
-    result = railgrip(*arguments, "--set", "description=break", "--out", "out")
+def test_an_unwritable_result_is_reported_before_anything_runs(railgrip, project, arguments, place):
+    """A folder is in the place of a file, or a file in that of a folder."""
+    if place:
+        (project / place).mkdir(parents=True)
+        out, sentence = "out", f"{place}: a file is to be written there, and it is a folder"
+    else:
+        (project / "taken").write_text("a file", encoding="utf-8")
+        out = "taken/out"
+        sentence = "taken/out: results cannot be written there: Not a directory; name another folder by --out"
+    result = railgrip(*arguments.split(), "--set", "description=break", "--out", out)
     assert result.code == 2
-    assert f"{Path('out') / place}: a file is to be written there, and it is a folder" in result.err
+    assert sentence in result.err
 
 
 def test_a_programming_error_is_not_caught(railgrip):
@@ -288,14 +289,6 @@ def test_a_refused_stop_does_not_prevent_the_others(railgrip, project):
     assert "Not run: wet-sbc" in (project / "out" / "pair.md").read_text(encoding="utf-8")
 
 
-def is_alive(group):
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
 def test_ctrl_c_keeps_finished_stops_and_leaves_no_partial_files(program, project):
     marker = project / "running"
     rewrite(project, 'kind = "adhesion_based"', f'kind = "adhesion_based"\ndescription = "wait {marker}"')
@@ -310,4 +303,4 @@ def test_ctrl_c_keeps_finished_stops_and_leaves_no_partial_files(program, projec
     assert stops_in(project / "out") == ["wet-sbc"]
     assert list((project / "out").rglob("*.partial")) == []
     # Python's resource tracker ends shortly after its parent; a worker would sleep for an hour.
-    until(lambda: not is_alive(process.pid))
+    until(lambda: not members(process.pid))

@@ -2,11 +2,13 @@
 
 import os
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
 from waiting import LONGEST, is_running, until
 
+from railgrip.base.files import _remove_stale, scratch
 from railgrip.campaign.workers import pool, shared_pool, workers
 
 PROGRAM = """
@@ -14,6 +16,7 @@ import os
 import tempfile
 import time
 
+from railgrip.base.files import scratch
 from railgrip.campaign.workers import workers
 
 
@@ -22,35 +25,42 @@ def number(_):
     return os.getpid()
 
 
-def work(place):
-    with tempfile.TemporaryDirectory(dir=place):
+def work():
+    with tempfile.TemporaryDirectory(dir="kept"):
         time.sleep(600)
 
 
 if __name__ == "__main__":
-    with workers(2) as pool:
+    with workers(2) as pool, scratch("build"), scratch("study"):
         print(*set(pool.map(number, range(8))), flush=True)
-        list(pool.map(work, ["kept"] * TASKS))
-        time.sleep(600)
+        pool.submit(work).result()
 """
 
 
 @pytest.mark.skipif(not Path("/proc").exists(), reason="looks processes up in /proc")
-@pytest.mark.parametrize("tasks", [8, 0])
-def test_workers_end_when_their_parent_is_killed(program, tmp_path, tasks):
-    """They also remove the files that they unpacked, and print nothing; nor does Python's tracker of semaphores."""
-    (tmp_path / "program.py").write_text(PROGRAM.replace("TASKS", str(tasks)), encoding="utf-8")
-    folder = tmp_path / "kept"
-    folder.mkdir()
-    parent = program(tmp_path, "program.py")
+def test_workers_end_when_their_parent_is_killed(program, tmp_path, monkeypatch):
+    """Whether busy or idle, they remove the files that they unpacked, and nothing is printed.
+
+    Python's tracker of semaphores prints nothing either. The next start removes the folders of the parent.
+    """
+    (tmp_path / "program.py").write_text(PROGRAM, encoding="utf-8")
+    kept, temporary = tmp_path / "kept", tmp_path / "temporary"
+    kept.mkdir()
+    temporary.mkdir()
+    parent = program(tmp_path, "program.py", TMPDIR=str(temporary))
     children = [int(process) for process in parent.stdout.readline().split()]
     assert children
     assert all(map(is_running, children))
-    until(lambda: len(list(folder.iterdir())) == min(tasks, 2))
+    until(lambda: list(kept.iterdir()))
     parent.kill()
     _, err = parent.communicate(timeout=LONGEST)  # until the last worker has closed it
     assert err == ""
-    until(lambda: not any(map(is_running, children)) and list(folder.iterdir()) == [])
+    until(lambda: not any(map(is_running, children)) and list(kept.iterdir()) == [])
+    assert len(list(temporary.iterdir())) == 3
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    _remove_stale.cache_clear()
+    with scratch("fmu") as mine:
+        assert list(temporary.iterdir()) == [mine]
 
 
 @pytest.fixture
