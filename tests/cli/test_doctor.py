@@ -5,6 +5,7 @@ import sys
 from importlib.metadata import Distribution, PackageNotFoundError, version
 
 import pytest
+from users_parts import install_part
 
 from railgrip.base import registry
 from railgrip.cli import doctor
@@ -84,10 +85,7 @@ def missing_file(folder, monkeypatch):
 
 
 def part_that_does_not_load(folder, monkeypatch):
-    package = folder / "mine-1.0.dist-info"
-    package.mkdir()
-    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
-    (package / "entry_points.txt").write_text("[railgrip.estimators]\nmine = module_that_is_gone:Filter\n")
+    install_part(folder, "estimators", "module_that_is_gone:Filter")
     monkeypatch.syspath_prepend(folder)
 
 
@@ -108,8 +106,11 @@ def openmodelica_without_zip(folder, monkeypatch):
         (no_compiler, ["C compiler", "does not start"]),
         (compiler_that_compiles_nothing, ["C compiler", "could not compile doctor", "no licence"]),
         (openmodelica_without_zip, ["OpenModelica", "omc needs zip", "install zip"]),
-        (relative_cache, ["cache: fails: the cache folder must be an absolute path", "correct RAILGRIP_CACHE"]),
-        (cache_that_is_a_file, ["cache: fails", "name another folder in RAILGRIP_CACHE"]),
+        (
+            relative_cache,
+            ["cache: fails: the cache folder must be an absolute path, got 'cache'; correct RAILGRIP_CACHE"],
+        ),
+        (cache_that_is_a_file, ["cache: fails", "cannot be written", "name another folder in RAILGRIP_CACHE"]),
         (no_temporary_folder, ["temporary folder", "cannot be written: No such file", "TMPDIR"]),
         (missing_package, ["pint: is not installed: python -m pip install 'pint"]),
         (missing_file, ["1 of 2 files are missing, such as railgrip/gone.toml", "--force-reinstall"]),

@@ -122,6 +122,21 @@ MAP = {
 }
 
 
+DAMAGE = {
+    "jump": lambda column, at, draw: np.concatenate([column[:at], column[at:] + draw(st.floats(1e3, 1e15))]),
+    "scale": lambda column, at, draw: column * draw(st.sampled_from([1e6, 1e-6, 1e300, -1.0, 0.0, np.nan])),
+    "value": lambda column, at, draw: np.where(np.arange(len(column)) == at, draw(st.floats()), column),
+    "all": lambda column, at, draw: np.full(len(column), draw(st.floats())),
+    "text": lambda column, at, draw: np.array(
+        [draw(st.text(max_size=4)) for _ in column[:3]] + [""] * len(column[3:]), dtype=object
+    ),
+    "short": lambda column, at, draw: column[:at],
+    "back": lambda column, at, draw: column[::-1].copy(),
+    "deep": lambda column, at, draw: column + 1j,
+}
+"""Kind → damaged column, from the column, a place in it, and a function that draws."""
+
+
 def run(draw):
     """A short brake application as columns, one or more of them damaged."""
     count = draw(st.sampled_from([0, 1, 2, 3, 8, 200]))
@@ -134,28 +149,8 @@ def run(draw):
         name = draw(st.sampled_from(intact))
         column = frame.pop(name)
         at = draw(st.integers(0, max(len(column) - 1, 0)))
-        match draw(st.sampled_from(["jump", "scale", "value", "all", "text", "short", "gone", "back", "deep"])):
-            case "jump":
-                frame[name] = np.concatenate([column[:at], column[at:] + draw(st.floats(1e3, 1e15))])
-            case "scale":
-                frame[name] = column * draw(st.sampled_from([1e6, 1e-6, 1e300, -1.0, 0.0, np.nan]))
-            case "value" if len(column):
-                column[at] = draw(st.floats())
-                frame[name] = column
-            case "all":
-                frame[name] = np.full(len(column), draw(st.floats()))
-            case "text":
-                frame[name] = np.array(
-                    [draw(st.text(max_size=4)) for _ in column[:3]] + [""] * len(column[3:]), dtype=object
-                )
-            case "short":
-                frame[name] = column[:at]
-            case "back":
-                frame[name] = column[::-1].copy()
-            case "deep":
-                frame[name] = column + 1j
-            case _:
-                pass
+        if kind := draw(st.sampled_from([*DAMAGE, None])):  # or the column is gone
+            frame[name] = DAMAGE[kind](column, at, draw)
     return frame
 
 

@@ -30,26 +30,19 @@ spec.loader.exec_module(module)
 import railgrip.trace
 railgrip.trace.metrics = module
 
-from synthetic import COARSE, LIBRARY
-from synthetic_runner import run_stop
 from test_distributions import CAMPAIGN as DRAWS
+from written_campaigns import write_campaign
 import railgrip as rg
 from railgrip.campaign.sweep import csv_of, write_table as write_frame
-from railgrip.campaign.run import write_description
 from railgrip.report.distances import write_table
 from railgrip.report.results import read_results
-from railgrip.report.stop import metrics_table, write_stop
-from railgrip.scenario.campaign import load_campaign
+from railgrip.report.stop import metrics_table
 import pandas
 
 drawn, single = folders = [Path(folder) / name for name in ("drawn", "single")]
 for place, text in zip(folders, (DRAWS, DRAWS.replace("[draws]\\nfirst = 1\\nlast = 4", "[sweep]\\nseed = [1]"))):
     place.mkdir()
-    (place / "c.toml").write_text(text.format(library=LIBRARY.as_posix()), encoding="utf-8")
-    campaign = load_campaign(place / "c.toml", COARSE)
-    write_description(campaign, place)
-    for stop in campaign.stops:
-        write_stop(run_stop(stop.scenario), place / stop.name)
+    write_campaign(place, text=text)
 
 frame = rg.load(drawn).to_pandas()
 write_frame(frame, drawn / "x.parquet")
