@@ -5,18 +5,13 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from synthetic import GROUP
 
 from railgrip.controllers.free_wheel import FreeWheel, FreeWheelParameters
-from railgrip.vehicle.brake import Brake
 
 PERIOD = 10e-3
 VALUES = FreeWheelParameters(period=PERIOD)
-RADIUS = 0.5
-GROUP = Brake(
-    load=140e3, inertia=240.0, wheel_radius=RADIUS, units=4, friction_radius=0.25, piston_area=0.02, rigging=8.0,
-    spring_force=600.0, pressure_max=3.8e5,
-)  # fmt: skip
-OFF, ON = 0.0, 2e5  # Pa; the spring takes 0.3 bar
+OFF, ON = 0.0, 2e5  # Pa; the spring takes 0.4 bar
 NAN = math.nan
 
 
@@ -29,7 +24,7 @@ def over(watch, seconds, speed, rims, pressures):
     """Return the outputs after a number of seconds; rim speeds [m/s] are numbers or functions of time."""
     for k in range(1, round(seconds / PERIOD) + 1):
         now = [rim(k * PERIOD) if callable(rim) else rim for rim in rims]
-        last = watch.call([speed, *(rim / RADIUS for rim in now), *pressures])
+        last = watch.call([speed, *(rim / GROUP.wheel_radius for rim in now), *pressures])
     return last
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import synthetic
 
 from railgrip.controllers.law import Law
 from railgrip.controllers.laws.recursive_slope import RecursiveSlope
@@ -16,19 +17,15 @@ from railgrip.controllers.train_level import (
     with_release_limit,
     with_shared_valves,
 )
-from railgrip.vehicle.brake import Brake
 
-GROUP = Brake(
-    load=140e3, inertia=120.0, wheel_radius=0.46, units=2.0, friction_radius=0.24, piston_area=0.0324, rigging=4.75,
-    spring_force=1200.0, pressure_max=3e5,
-)  # fmt: skip
+GROUP = replace(synthetic.GROUP, pressure_max=3e5)
 GROUPS = (GROUP, GROUP, replace(GROUP, pressure_max=2e5))
 LEVELS = SlipLevels(low=0.05, high=0.1, speed_min=1.0)
 
 
 def observed(slip: tuple[float, float, float], demand: float) -> Observation:
     limit = np.array([demand * group.pressure_max for group in GROUPS])
-    wheels = 20.0 / 0.46 * (1.0 - np.array(slip))
+    wheels = 20.0 / GROUP.wheel_radius * (1.0 - np.array(slip))
     return Observation(0.0, 20.0, -0.5, wheels, np.array(slip), False, None, None, np.zeros(3), limit)
 
 

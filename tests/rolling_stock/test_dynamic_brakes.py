@@ -17,7 +17,7 @@ from railgrip.rolling_stock.calculation_page import calculation_page
 from railgrip.rolling_stock.check import findings
 from railgrip.rolling_stock.dynamic_brakes.eddy_current_rail import EddyCurrentRail
 from railgrip.rolling_stock.dynamic_brakes.electrodynamic import Electrodynamic
-from railgrip.rolling_stock.schema import Train, load_train, train_of
+from railgrip.rolling_stock.schema import load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand, developed_forces, full_brake_force, response_times
 from railgrip.rolling_stock.tables import plain_stop
 from railgrip.scenario.file import NamedFile
@@ -247,22 +247,18 @@ def test_a_filter_refuses_a_train_whose_axles_brake_electrically():
         of_train(NamedFile(entry="flirt", path=shelf("trains")["flirt"]))
 
 
-def packaged() -> dict[str, Train]:
-    return {name: load_train(path) for name, path in shelf("trains").items()}
-
-
 def test_the_package_has_ten_trains_and_one_of_each_brake():
     """Kinds of blocks whose law has no published train are the exception: cast iron P6."""
-    trains = packaged()
+    trains = [load_train(path) for path in shelf("trains").values()]
     assert len(trains) >= 10
-    bogies = [bogie for train in trains.values() for bogie in train.bogies_in_train]
+    bogies = [bogie for train in trains for bogie in train.bogies_in_train]
     dynamic = {bogie.dynamic_brake.kind for bogie in bogies if bogie.dynamic_brake}
     assert dynamic == set(modules(DYNAMIC_BRAKES))
-    laws = {blocks.law for train in trains.values() for blocks in train.blocks.values()}
+    laws = {blocks.law for train in trains for blocks in train.blocks.values()}
     assert laws >= {"cast_iron_p10", "composite_k"}
     assert any(bogie.brake.pads for bogie in bogies)
     assert any(bogie.track_brake for bogie in bogies)
-    assert any(train.parking_brakes for train in trains.values())
+    assert any(train.parking_brakes for train in trains)
 
 
 @pytest.mark.parametrize("name", sorted(shelf("trains")))

@@ -64,11 +64,6 @@ def set_to(table: str, key: str, value: object) -> Callable[[Tables], None]:
     return change
 
 
-def axle_load_for_car(tables: Tables) -> None:
-    for car in tables["cars"]:
-        car["mass"] = si(car["mass"], "kg") / 4
-
-
 def axle_masses_of_bogies(tables: Tables) -> None:
     """Without axle_masses the cars carry them equally: give each axle the load of its bogie."""
     for car in tables["cars"]:
@@ -84,7 +79,7 @@ MISTAKES: dict[str, Callable[[Tables], None]] = {
     "the diameter of discs for the radius of pads": scale("brakes", "friction_radius", 2, "m"),
     "inertia 100 times as high": scale("bogies", "inertia", 100, "kg.m2"),
     "inertia in t.m2": scale("bogies", "inertia", 1e-3, "kg.m2"),
-    "the load of an axle for the mass of a car": axle_load_for_car,
+    "the load of an axle for the mass of a car": scale("cars", "mass", 1 / 4, "kg"),
     "the load of a bogie for that of an axle": axle_masses_of_bogies,
     "the mass of cars in t": scale("cars", "mass", 1e-3, "kg"),
     "the mass of cars in pounds": scale("cars", "mass", 2.2046, "kg"),

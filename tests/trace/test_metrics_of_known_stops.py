@@ -46,10 +46,7 @@ def test_slip_classes_and_deep_slide_count_the_time():
 
 def test_the_maximum_adhesion_of_a_group_is_that_of_any_instant():
     of_groups = np.stack([0.1 + 0.05 * (TIME == 3.0), 0.12 - 0.02 * (TIME > 9.0), 0 * TIME, 0.2 * (TIME > 9.0)], axis=1)
-    peaks = measure(
-        uniform_stop(group_adhesion=of_groups), outcome=Outcome.STANDSTILL, alpha_max=0.15, actuation="ideal"
-    ).adhesion_peak
-    assert peaks == pytest.approx((0.15, 0.12, 0.0, 0.2))
+    assert _measured(group_adhesion=of_groups).adhesion_peak == pytest.approx((0.15, 0.12, 0.0, 0.2))
 
 
 def test_the_longest_lock_is_one_lock_and_not_their_sum():
@@ -296,8 +293,7 @@ def test_errors_below_walking_pace_do_not_count():
 
 
 def test_a_stop_without_estimator_has_no_estimator_figures():
-    trace = with_bound(uniform_stop(estimates=False), parabola, BRAKES, alpha_max=0.15)
-    metrics = measure(trace, outcome=Outcome.STANDSTILL, alpha_max=0.15, actuation="ideal")
+    metrics = _measured(estimates=False)
     assert metrics.adhesion_rmse is None
     assert metrics.speed_rmse is None
     np.testing.assert_equal(asdict(Metrics.from_plain(metrics.to_plain())), asdict(metrics))  # NaN equals NaN
