@@ -8,8 +8,7 @@ from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.surface import Sand, SandedRail, Sander
-from railgrip.simulate.assembly import assemble
-from railgrip.simulate.run import run_stop
+from railgrip.simulate.run import run_stop, trace_of
 
 KG_PER_MIN = 1 / 60
 SAND = {"mu0": 0.2, "density": 6e-3, "left": 0.8}
@@ -94,10 +93,7 @@ def test_friction_stays_finite_at_standstill_and_beyond_the_table():
 
 
 def test_sand_arrives_a_second_later_and_each_wheelset_gets_less():
-    scenario = load(LIBRARY / "plain.toml", [*LOW, *WRITTEN, "limits.horizon=4 s"])
-    with assemble(scenario) as parts:
-        ended = parts.run()
-        trace = parts.recorder.trace(ended.samples, 1e-3)
+    trace = trace_of(load(LIBRARY / "plain.toml", [*LOW, *WRITTEN, "limits.horizon=4 s", "periods.trace=1 ms"]))
     last = trace.mu0.values[-1]
     assert last[0] == 0.03
     assert np.all(np.diff(last[1:]) < 0)

@@ -35,12 +35,6 @@ def encoder_readings(speed_of, seconds, **wheel):
     return samples * PERIOD, true, np.array([encoder.read(int(k), w) for k, w in zip(samples, true, strict=True)])
 
 
-def test_ideal_sensors_read_the_truth():
-    reading = read(IdealSensors(LAYOUT), 0, truth())
-    assert reading[LAYOUT.reading["speed"]].tolist() == [20.0]
-    assert reading[LAYOUT.reading["cylinder_pressure"]].tolist() == [2e5] * 4
-
-
 def test_white_sensors_err_by_gain_bias_and_noise_as_stated():
     """20 s of constant truth: means within four standard errors, deviations within 5 %."""
     size, speed = LAYOUT.readings, LAYOUT.reading["speed"].start
