@@ -27,6 +27,10 @@ from railgrip.scenario.load import load
 from railgrip.studies.bench import of_rig
 
 
+def estimates_by(name, recording, changes=()):
+    return estimate_of(load_specification(LIBRARY / f"{name}.toml", changes), recording)
+
+
 def shortened(name, horizon, **changes):
     keys = [f"{key.replace('__', '.')}={value}" for key, value in changes.items()]
     return load(Path(f"rig_{name}"), [f"limits.horizon='{horizon} s'", *keys])
@@ -69,8 +73,7 @@ def test_adhesion_passes_its_peak_falls_recovers_and_vanishes(sand):
 
 def test_figures_are_readable(sand, tmp_path):
     """tests/conftest.py checks every saved figure. Time is stretched because the text describes tests up to 110 s."""
-    filters = [load_specification(LIBRARY / f"{name}.toml") for name in ("rig_paper", "rig_own")]
-    estimates = {filter_.name: estimate_of(filter_, sand) for filter_ in filters}
+    estimates = {name: estimates_by(name, sand) for name in ("rig_paper", "rig_own")}
     recording, *longer = (one.assign_coords(time=11 * one["time"].values) for one in (sand, *estimates.values()))
     for name, drawing in {
         "slide": rig_tests.record_figure("rig_slide", recording, dict(zip(estimates, longer, strict=True))),
@@ -83,9 +86,7 @@ def test_figures_are_readable(sand, tmp_path):
 @pytest.mark.parametrize("name", ["rig_paper", "rig_own"])
 def test_a_wrong_initial_adhesion_is_corrected_within_tenths_of_a_second(sand, name):
     """Figures 4 and 5: "in the first few tenths of a second"; later estimates do not depend on the start."""
-    wrong, right = (
-        estimate_of(load_specification(LIBRARY / f"{name}.toml", start), sand) for start in (rig_tests.WRONG_START, ())
-    )
+    wrong, right = (estimates_by(name, sand, start) for start in (rig_tests.WRONG_START, ()))
     assert settling(sand, right) == 0.0
     assert 0.0 < settling(sand, wrong) < 0.3
     later = sand["time"].values > 1.0
@@ -96,7 +97,7 @@ def test_a_wrong_initial_adhesion_is_corrected_within_tenths_of_a_second(sand, n
 
 @pytest.mark.parametrize("name", ["rig_paper", "rig_own"])
 def test_the_error_of_adhesion_is_within_002_on_the_sanded_roller(sand, name):
-    estimates = estimate_of(load_specification(LIBRARY / f"{name}.toml"), sand)
+    estimates = estimates_by(name, sand)
     counts = excursions(sand, estimates, settled=0.5)
     assert counts["kept"]
     assert estimates.attrs["ended"] == ""
@@ -110,7 +111,7 @@ def test_the_error_of_adhesion_is_within_002_on_the_sanded_roller(sand, name):
 
 def test_the_filter_of_equation_20_is_underconfident_and_the_built_in_consistent(sand):
     after = sand["time"].values > 4.0
-    paper, own = (estimate_of(load_specification(LIBRARY / f"{n}.toml"), sand) for n in ("rig_paper", "rig_own"))
+    paper, own = (estimates_by(name, sand) for name in ("rig_paper", "rig_own"))
     assert judge(sand, paper, "mu_b", after).nees < 0.01
     assert 0.1 < judge(sand, own, "mu_b", after).nees < 10.0
     assert judge(sand, own, "alpha", after).rmse < judge(sand, paper, "alpha", after).rmse
@@ -128,7 +129,7 @@ def test_short_brake_applications_under_oil_slide_at_two_to_five_percent():
 def test_the_gate_holds_pad_friction_while_the_pads_are_released():
     """Readings then do not depend on it: with the gate mean and deviation stay constant, in the paper they grow."""
     coasting = recording_of_rig(shortened("slide", 10.0))
-    own, paper = (estimate_of(load_specification(LIBRARY / f"{n}.toml"), coasting) for n in ("rig_own", "rig_paper"))
+    own, paper = (estimates_by(name, coasting) for name in ("rig_own", "rig_paper"))
     assert np.ptp(own["sd"].sel(state="pad_friction").values) < 1e-12
     deviations = paper["sd"].sel(state="pad_friction").values
     # Q33 = 1e-3 is added 2000 times; load cells with 100 N of noise contribute almost no information.
@@ -153,12 +154,18 @@ def test_a_period_five_times_shorter_hardly_changes_the_speed():
 PERIOD = 0.01
 
 
+def pulses(count, ends, height=1.0):
+    """Return samples of a height between each begin and end [s], elsewhere zero."""
+    time, values = np.arange(count) * PERIOD + 1e-9, np.zeros(count)
+    for begin, end in ends:
+        values[(time >= begin) & (time < end)] = height
+    return values
+
+
 def protected(error, busy):
     """Return a recording with active protection where `busy` is set, and an estimate with a given error."""
-    samples = len(error)
-    recording = recording_of(
-        {"protecting": (busy, "1")}, period=PERIOD, truth={"group_adhesion": (np.full(samples, 0.05), "1")}
-    )
+    truth = {"group_adhesion": (np.full(len(error), 0.05), "1")}
+    recording = recording_of({"protecting": (busy, "1")}, period=PERIOD, truth=truth)
     estimates = xarray.Dataset(
         {"mean": (("time", "state"), (0.05 + np.asarray(error))[:, None])},
         coords={"time": recording["time"], "state": ["group_adhesion"]},
@@ -166,23 +173,20 @@ def protected(error, busy):
     return recording, estimates
 
 
+BUSY = pulses(100, [(0.4, 0.5)])
+
+
 def test_an_event_ends_a_tenth_of_a_second_after_the_intervention():
-    busy = np.zeros(100)
-    busy[40:50] = 1.0
-    recording, _ = protected(np.zeros(100), busy)
-    outside = outside_events(recording, settled=0.1)
-    assert not outside[:10].any()
-    assert outside[10:40].all()
-    assert not outside[40:60].any()
-    assert outside[60:].all()
+    recording, _ = protected(np.zeros(100), BUSY)
+    inside = pulses(100, [(0.0, 0.1), (0.4, 0.6)])
+    assert outside_events(recording, settled=0.1).tolist() == (inside == 0).tolist()
 
 
 def test_excursions_inside_and_outside_events_are_counted_and_timed():
-    busy, error = np.zeros(100), np.full(100, 0.001)
-    busy[40:50] = 1.0
+    error = np.full(100, 0.001)
     error[42:47] = -0.05  # in the event: 5 samples
     error[80] = 0.03  # outside
-    counts = excursions(*protected(error, busy), settled=0.1)
+    counts = excursions(*protected(error, BUSY), settled=0.1)
     assert (counts["excursions"], counts["samples_outside"]) == (2, 1)
     assert counts["longest"] == pytest.approx(5 * PERIOD)
     assert counts["largest"] == pytest.approx(0.05)
@@ -227,11 +231,8 @@ def test_every_period_of_the_study_is_a_scenario_whose_samples_have_that_distanc
 
 
 def test_brake_applications_before_the_long_pause_are_the_short_ones():
-    time = np.arange(6000) * PERIOD
-    begins = np.array([18.0, 24.0, 30.0, 42.0, 44.0, 46.0, 48.0])
-    force = np.zeros(time.size)
-    for begin in begins:
-        force[(time >= begin) & (time < begin + 1)] = 2e4
+    begins = (18.0, 24.0, 30.0, 42.0, 44.0, 46.0, 48.0)
+    force = pulses(6000, [(begin, begin + 1.0) for begin in begins], 2e4)
     short, stop, rate = brakings(recording_of({"pad_force": (force, "N")}, period=PERIOD))
     assert stop == pytest.approx(42.0, abs=2 * PERIOD)
     assert np.ravel(short) == pytest.approx([18.0, 19.0, 24.0, 25.0, 30.0, 31.0], abs=2 * PERIOD)
@@ -240,37 +241,26 @@ def test_brake_applications_before_the_long_pause_are_the_short_ones():
 
 
 def test_errors_above_the_limit_count_once_per_interval_in_the_deep_slide():
-    time = np.arange(1300) * PERIOD
-    error = np.zeros(time.size)
-    for begin, end in ((1.0, 1.1), (4.0, 4.2), (6.0, 6.01), (12.0, 12.5)):
-        error[(time >= begin) & (time < end)] = -1.1 * LIMIT
-    error[(time >= 8.0) & (time < 8.5)] = 0.9 * LIMIT
-    counts = excursions(*protected(error, np.zeros(time.size)), settled=0.5)
+    error = pulses(1300, [(1.0, 1.1), (4.0, 4.2), (6.0, 6.01), (12.0, 12.5)], -1.1 * LIMIT)
+    error += pulses(1300, [(8.0, 8.5)], 0.9 * LIMIT)
+    counts = excursions(*protected(error, np.zeros(1300)), settled=0.5)
     assert (counts["peaks"], counts["excursions"]) == (2, 4)
 
 
-def test_the_start_is_corrected_when_the_error_stays_within_the_limit():
-    time = np.arange(300) * PERIOD
-    for begin, end, expected in (
-        (0.0, 0.3, 0.3),
-        (0.2, 0.4, 0.4),
-        (0.0, 0.0, 0.0),
-        (0.0, 1.5, np.inf),
-        (2.5, 2.6, 0.0),
-    ):
-        error = 1.5 * LIMIT * ((time >= begin - 1e-9) & (time < end - 1e-9))
-        found = settling(*protected(error, np.zeros(300)))
-        assert found == pytest.approx(expected, abs=PERIOD / 10)
+@pytest.mark.parametrize(
+    ("begin", "end", "expected"),
+    [(0.0, 0.3, 0.3), (0.2, 0.4, 0.4), (0.0, 0.0, 0.0), (0.0, 1.5, np.inf), (2.5, 2.6, 0.0)],
+)
+def test_the_start_is_corrected_when_the_error_stays_within_the_limit(begin, end, expected):
+    found = settling(*protected(pulses(300, [(begin, end)], 1.5 * LIMIT), np.zeros(300)))
+    assert found == pytest.approx(expected, abs=PERIOD / 10)
 
 
 def test_the_response_of_a_lag_is_its_time_constant():
     """Pad force with a lag of 0.2 s behind two interventions."""
-    time = np.arange(2000) * PERIOD
-    busy, force = np.zeros(time.size), np.full(time.size, 4e4)
-    for begin in (4.0, 12.0):
-        since = time - begin
-        part = (since >= -PERIOD / 2) & (since < 3.0)
-        busy[part], force[part] = 1.0, 4e4 * np.exp(-since[part] / 0.2)
+    busy, force = pulses(2000, [(4.0, 7.0), (12.0, 15.0)]), np.full(2000, 4e4)
+    for begin in (400, 1200):
+        force[begin : begin + 300] *= np.exp(-PERIOD * np.arange(300) / 0.2)
     recording = recording_of({"pad_force": (force, "N"), "protecting": (busy, "1")}, period=PERIOD)
     assert response(recording) == pytest.approx(0.2, abs=2 * PERIOD)
 
