@@ -33,14 +33,19 @@ CLASSES = {
 }
 
 
-@pytest.fixture
-def library(tmp_path: Path) -> Path:
-    folder = tmp_path / "ModelicaCompliance"
-    folder.mkdir()
+def write_library(place: Path) -> None:
+    """Write a compliance library with the classes into a folder."""
+    folder = place / "ModelicaCompliance"
+    folder.mkdir(parents=True)
     (folder / "package.mo").write_text("package ModelicaCompliance end ModelicaCompliance;")
     (folder / "Icons.mo").write_text("within ModelicaCompliance; package Icons model TestCase end TestCase; end Icons;")
     for name, (legal, text) in CLASSES.items():
         (folder / f"{name}.mo").write_text((HEAD + text + TAIL).format(name=name, legal=legal))
+
+
+@pytest.fixture
+def library(tmp_path: Path) -> Path:
+    write_library(tmp_path)
     return tmp_path
 
 

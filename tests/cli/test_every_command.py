@@ -19,6 +19,7 @@ import pytest
 from command_line import done
 from commands import tools
 from one_process import one_process
+from test_suites import write_library
 from typer.main import get_command
 
 from railgrip.cli.app import app, command_of
@@ -305,11 +306,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "own.mo").write_text("model Own\n  Real x(start=1, fixed=true);\nequation\n  der(x) = -x;\nend Own;\n")
     (folder / "own.md").write_text("<!-- campaign, distances: written by `railgrip report` -->\n<!-- end -->\n")
     (folder / "one.toml").write_text(ONE_STOP)
-    suite = folder / "suite" / "ModelicaCompliance"
-    suite.mkdir(parents=True)
-    (suite / "package.mo").write_text("package ModelicaCompliance end ModelicaCompliance;")
-    (suite / "Icons.mo").write_text("within ModelicaCompliance; package Icons model TestCase end TestCase; end Icons;")
-    (suite / "Right.mo").write_text(RIGHT)
+    write_library(folder / "suite")
     (folder / "small").mkdir()
     shutil.copy(ROOT / "tests/baselines/etcs.toml", folder / "small")
     return folder
@@ -324,17 +321,6 @@ conditioning = "one.conditioning.json"
 [axes.controller.sbc]
 controller.kind = "slip_two_state"
 start.speed = 5
-"""
-
-RIGHT = """within ModelicaCompliance;
-model Right
-  extends Icons.TestCase;
-  Real x(start=1, fixed=true);
-equation
-  der(x) = 1;
-  assert(x >= 1, "x");
-  annotation(__ModelicaAssociation(TestCase(shouldPass = true)), experiment(StopTime = 0.02));
-end Right;
 """
 
 

@@ -8,8 +8,8 @@ import pytest
 from command_line import done
 
 import railgrip as rg
-from railgrip.base.registry import shelf
 from railgrip.report.stop import read_stop
+from railgrip.scenario.file import inline_toml
 from railgrip.simulate.remarks import remarks_before
 
 CHANGES = {
@@ -40,28 +40,16 @@ def test_the_python_interface_has_them(stop):
 
 
 def test_run_and_campaign_print_them(stop, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    text = shelf("scenarios")["plain"].read_text(encoding="utf-8")
-    (tmp_path / "plain.toml").write_text(text, encoding="utf-8")
-    inline = "\n".join(
-        [
-            'estimator = { kind = "none" }',
-            'controller = { kind = "full_brake" }',
-            'faults = [{ part = "radar", kind = "dead", begin = 110.0 }]',
-            'start.speed = "30 km/h"',
-            "limits.alpha_max = 0.005",
-            "adhesion = { mu0 = 0.3, level = 0.15 }",
-        ]
-    )
-    (tmp_path / "mine.toml").write_text(f'extends = "plain.toml"\nname = "plain"\n{inline}\n', encoding="utf-8")
-    single = done(capsys, "run", tmp_path / "mine.toml", "--out", tmp_path / "run", "--json")
+    changes = [word for key, value in CHANGES.items() for word in ("--set", f"{key}={inline_toml(value)}")]
+    single = done(capsys, "run", "plain", *changes, "--out", tmp_path / "run", "--json")
     assert json.loads(single.out)["remarks"] == list(stop.remarks)
     assert all(sentence in single.err for sentence in stop.remarks)
     assert read_stop(tmp_path / "run").remarks == stop.remarks
     (tmp_path / "few.toml").write_text(
-        'name = "few"\nscenarios = ["mine.toml"]\npanels = "none"\n[axes.seed.a]\nseed = 1\n[axes.seed.b]\nseed = 2\n',
+        'name = "few"\nscenarios = ["plain"]\npanels = "none"\n[axes.seed.a]\nseed = 1\n[axes.seed.b]\nseed = 2\n',
         encoding="utf-8",
     )
-    several = done(capsys, "campaign", tmp_path / "few.toml", "--out", tmp_path / "few", "--workers", 1)
+    several = done(capsys, "campaign", tmp_path / "few.toml", *changes, "--out", tmp_path / "few", "--workers", 1)
     page = unescape((tmp_path / "few" / "index.html").read_text(encoding="utf-8"))
     for sentence in stop.remarks:
         assert several.err.count(f"{sentence} (In 2 of 2 stops.)") == 1
