@@ -31,6 +31,7 @@ from typing import Any
 
 import numpy as np
 import xarray
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 import railgrip as rg
@@ -154,7 +155,10 @@ def with_certificate(
     """
     period = float(trace["time"].values[1] - trace["time"].values[0])
     step, ahead = max(1, round(STRIDE / period)), round(HORIZON / STRIDE)
-    filling = _recent(trace["command"].values >= 0.5, round(valves["dead_fill"] / period) + 2) * period
+    samples = round(valves["dead_fill"] / period) + 2  # of commands that are under way
+    filling = (
+        _ahead(trace["command"].values[::-1] >= 0.5, samples - 1, constant_values=False)[::-1].sum(axis=-1) * period
+    )
     rows = trace.isel(time=slice(0, None, step))
     filling = filling[::step]
     speed = rows["speed"].values
@@ -181,13 +185,16 @@ def with_certificate(
     return xarray.Dataset({"slip": rows["slip"], **values}, coords={"time": rows["time"]})
 
 
+def _ahead(values: Array, count: int, **padding: Any) -> Array:
+    """Return each value and the next `count` ones along the first axis, of which the last value follows the end."""
+    padded = np.pad(values, [(0, count)] + [(0, 0)] * (values.ndim - 1), **(padding or {"mode": "edge"}))
+    return sliding_window_view(padded, count + 1, axis=0)
+
+
 def _reached(slip: Array, venting: NDArray[np.bool_], ahead: int) -> Array:
     """Return the largest slip of each sample and the next `ahead` ones while the valves vent, NaN where they do not."""
-    largest, lasts = np.where(venting, slip, np.nan), venting.copy()
-    for shift in range(1, min(ahead, len(slip) - 1) + 1):
-        lasts = lasts[:-1] & venting[shift:]
-        largest[:-shift] = np.where(lasts, np.maximum(largest[:-shift], slip[shift:]), largest[:-shift])
-    return largest
+    lasts = np.logical_and.accumulate(_ahead(venting, ahead, constant_values=False), axis=-1)
+    return np.where(venting, np.where(lasts, _ahead(slip, ahead), -np.inf).max(axis=-1), np.nan)
 
 
 def _release(
@@ -195,7 +202,7 @@ def _release(
 ) -> BrakeRelease:
     """Return the release of a group; `filling` is the time of the last commands to fill that are under way [s]."""
     pad = rows["pad_friction"].values[:, group]
-    pad_friction = _extreme(pad, round(HORIZON / STRIDE), np.maximum)
+    pad_friction = _ahead(pad, round(HORIZON / STRIDE)).max(axis=-1)
     pressure = rows["cylinder_pressure"].values[:, group]
     per_pressure = brake.units * pad_friction * brake.friction_radius * brake.rigging * brake.piston_area
     filled = np.minimum(filling / valves["T_fill"], 1.0) * (brake.pressure_max - pressure)
@@ -213,8 +220,8 @@ def _release(
 def _rail(
     contact: Contact, brake: Brake, slip: Array, speed: Array, load: Array, friction: Array, ahead: int
 ) -> RailAhead:
-    highest, lowest_load = _extreme(friction, ahead, np.maximum), _extreme(load, ahead, np.minimum)
-    heaviest, slowest = _extreme(load, ahead, np.maximum), _extreme(speed, ahead, np.minimum)
+    loads, slowest = _ahead(load, ahead), _ahead(speed, ahead).min(axis=-1)
+    highest, lowest_load, heaviest = _ahead(friction, ahead).max(axis=-1), loads.min(axis=-1), loads.max(axis=-1)
     share = contact(slip[:, None], speed[:, None], lowest_load, highest) / highest
     force, shortfall = np.zeros_like(slip), np.zeros_like(slip)
     for member in range(load.shape[1]):
@@ -239,33 +246,12 @@ def _force(contact: Contact, slip: Array | float, speed: Array, load: Array, fri
     return np.sum(contact(np.broadcast_to(slip, speed.shape)[:, None], speed[:, None], load, friction) * load, axis=1)
 
 
-def _recent(holds: NDArray[np.bool_], samples: int) -> Array:
-    """Return in how many of the last samples, each included, a condition held."""
-    total = np.concatenate([np.zeros((1, holds.shape[1])), np.cumsum(holds, axis=0, dtype=np.float64)])
-    end = np.arange(1, len(total))
-    return total[end] - total[np.maximum(end - samples, 0)]
-
-
-def _extreme(values: Array, ahead: int, of: np.ufunc) -> Array:
-    """Return the extreme of each value and the next `ahead` ones."""
-    result = values.copy()
-    for shift in range(1, ahead + 1):
-        result[:-shift] = of(result[:-shift], values[shift:])
-    return result
-
-
 def _mean_and_shortfall(friction: Array, ahead: int) -> tuple[Array, Array]:
     """Return the mean over the horizon, and the largest integral [s] of what lacks to it in any part of the horizon."""
-    padded = np.concatenate([friction, np.full(ahead, friction[-1])])
-    total = np.concatenate([[0.0], np.cumsum(padded)])
-    count = len(friction)
-    mean: Array = (total[ahead : ahead + count] - total[:count]) / ahead
-    lacking, lowest, largest = np.zeros(count), np.zeros(count), np.zeros(count)
-    for shift in range(ahead):
-        lacking = lacking + (mean - padded[shift : shift + count]) * STRIDE
-        lowest = np.minimum(lowest, lacking)
-        largest = np.maximum(largest, lacking - lowest)
-    return mean, largest
+    course = _ahead(friction, ahead - 1)
+    mean = course.mean(axis=-1)
+    lacking = np.cumsum((mean[:, None] - course) * STRIDE, axis=-1)
+    return mean, np.max(lacking - np.minimum.accumulate(np.minimum(lacking, 0.0), axis=-1), axis=-1)
 
 
 FAMILIES = ("over", "rail", "cleaning", "number of faults", "train", "mechanics")
