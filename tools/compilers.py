@@ -1,12 +1,13 @@
 """What each compiler covers, takes and needs: the table of docs/how_to/compilers.md."""
 
-import csv
 import os
 import tempfile
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
+
+import pandas
+from suites import counts
 
 from railgrip.base.cache import VARIABLE
 from railgrip.campaign.workers import environment
@@ -50,14 +51,10 @@ def coverage(suites: Path, compiler: Compiler) -> dict[str, str]:
         file = suites / f"{kind}-{compiler}.csv"
         if not file.is_file():
             continue
-        with file.open(encoding="utf-8", newline="") as stream:
-            rows = list(csv.DictReader(stream))
-        for legal, what in (("True", "legal classes"), ("False", "illegal classes")):
-            verdicts = Counter(row["verdict"] for row in rows if row["legal"] == legal)
-            if verdicts:
-                counts = [f"{count} {verdict}" for verdict, count in verdicts.most_common()]
-                counts += ["0 wrong"] * (legal == "True" and compiler == "native" and "wrong" not in verdicts)
-                found[f"{name}, {verdicts.total()} {what}"] = ", ".join(counts)
+        for what, verdicts in counts(pandas.read_csv(file)).items():
+            texts = [f"{count} {verdict}" for verdict, count in verdicts.most_common()]
+            texts += ["0 wrong"] * (what == "legal" and compiler == "native" and "wrong" not in verdicts)
+            found[f"{name}, {verdicts.total()} {what} classes"] = ", ".join(texts)
     return found
 
 

@@ -108,12 +108,13 @@ def _without(file: Path, error: FmuError) -> str:
 
 def survey_table(rows: Frame) -> ReportTable:
     """Return the numbers of FMUs that step, and that do not by reason, for each tool and interface."""
-    lines: list[tuple[str, str, int, int, str]] = []
-    for (_, tool, interface), group in rows.assign(order=rows["tool"].str.lower()).groupby(["order", "tool", "FMI"]):
-        reasons = Counter(filter(None, group["reason"]))
-        why = "; ".join(f"{count} {reason}" for reason, count in reasons.most_common())
-        lines.append((tool, interface, len(group), len(group) - reasons.total(), why))
-    stepping = rows["file"][rows["reason"] == ""]
-    lines.append(("all, each counted once", "", rows["file"].nunique(), stepping.nunique(), ""))
-    columns = ("tool", "FMI", "FMUs", "step", "refused or failed, why")
-    return replace(ReportTable.of(columns, lines), left=("tool", "FMI", "refused or failed, why"))
+    steps, why = rows["reason"] == "", "refused or failed, why"
+    groups = rows.assign(order=rows["tool"].str.lower(), step=steps).groupby(["order", "tool", "FMI"])
+    found = groups.agg(**{"FMUs": ("step", "size"), "step": ("step", "sum"), why: ("reason", _counted)}).reset_index()
+    whole = ["", "all, each counted once", "", rows["file"].nunique(), rows["file"][steps].nunique(), ""]
+    found.loc[len(found)] = whole
+    return ReportTable.of_frame(found.drop(columns="order"), left=("tool", "FMI", why))
+
+
+def _counted(reasons: "pandas.Series[str]") -> str:
+    return "; ".join(f"{count} {reason}" for reason, count in Counter(filter(None, reasons)).most_common())

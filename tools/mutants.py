@@ -28,6 +28,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
 
+import pandas
 import typer
 
 import railgrip
@@ -37,7 +38,7 @@ from railgrip.cli.app import Workers
 from railgrip.report.baseline import compare, findings_of, load_baseline
 from railgrip.report.console import say
 from railgrip.report.results import read_results
-from railgrip.report.table import ReportTable, write_tables
+from railgrip.report.table import ReportTable, write_tables, yes_no
 from railgrip.scenario.campaign import load_campaign
 from railgrip.simulate.run import run_stop
 
@@ -213,60 +214,46 @@ def moved_responses() -> dict[str, str]:
     return {name: "moved" for name, values in accepted.items() if present.get(name) != approx(values, rel=1e-6)}
 
 
-@dataclass(frozen=True, slots=True)
-class Result:
-    """Result of one mutant.
+def result_of(mutant: Mutant, stops: str, *, only_first: bool) -> dict[str, Any]:
+    """Run a mutant; return its result.
 
-    Attributes:
-        mutant: The mutant.
-        moved: Name of each accepted stop or response that changed → its state.
-        check: Test of a shared function and whether it failed, as it should; None without one.
+    `kind`: the part of railgrip that contains it; `moved`: accepted stops and responses that changed, with their
+    states; `check`, `fails`: test of a shared function and whether it failed, as it should, without one '' and False.
     """
-
-    mutant: Mutant
-    moved: dict[str, str]
-    check: tuple[str, bool] | None
-
-    @property
-    def kind(self) -> str:
-        """The part of railgrip that contains the mutant."""
-        return self.mutant.meaning.partition(":")[0].partition(",")[0]
-
-    def __str__(self) -> str:
-        """Return a line for the terminal."""
-        names = ", ".join(f"{name} ({state})" for name, state in self.moved.items()) or "—"
-        check = "" if self.check is None else f"; {self.check[0]}: {'fails' if self.check[1] else 'PASSES'}"
-        return f"{self.mutant.meaning:55}  {len(self.moved):2}  {names}{check}"
+    moved = noticed(mutant, stops, only_first=only_first)
+    check, fails = independent_check(mutant) or ("", False)
+    return {
+        "kind": re.split("[:,]", mutant.meaning)[0],
+        "mutant": mutant.meaning,
+        "function": Path(mutant.edits[0].file).stem,
+        "moved": [f"{name} ({state})" for name, state in moved.items()],
+        "check": check,
+        "fails": fails,
+    }
 
 
-def result_of(mutant: Mutant, stops: str, *, only_first: bool) -> Result:
-    """Run one mutant."""
-    return Result(mutant, noticed(mutant, stops, only_first=only_first), independent_check(mutant))
-
-
-def write_page(results: Sequence[Result]) -> None:
+def write_page(results: pandas.DataFrame) -> None:
     """Write the tables of docs/regression.md."""
-    kinds = dict.fromkeys(result.kind for result in results)
-    rows = [
-        (kind, len(here), sum(bool(result.moved) for result in here),
-         "; ".join(result.mutant.meaning.partition(": ")[2] for result in here if not result.moved))
-        for kind in kinds
-        for here in [[result for result in results if result.kind == kind]]
-    ]  # fmt: skip
-    total = ("all", len(results), sum(bool(result.moved) for result in results), "")
-    checks = [
-        (result.mutant.meaning, Path(result.mutant.edits[0].file).stem, f"`{check}`", "yes" if fails else "no")
-        for result in results
-        if result.check
-        for check, fails in [result.check]
-    ]
-    write_tables(
-        PAGE,
-        {
-            "mutants": ReportTable.of(("mutant in", "mutants", "noticed", "not noticed"), [*rows, total]),
-            "checks": ReportTable.of(("mutant", "function", "independent test", "fails"), checks, left=4),
-        },
-    )
+    noticed = results["moved"].map(bool)
+    missed = results["mutant"].str.partition(": ")[2].where(~noticed)
+    by_kind = results.assign(noticed=noticed, missed=missed).groupby("kind", sort=False)
+    kinds = by_kind.agg(mutants=("noticed", "size"), noticed=("noticed", "sum"), missed=("missed", _joined))
+    kinds.loc["all"] = [len(results), noticed.sum(), ""]
+    checks = results.loc[results["check"] != "", ["mutant", "function", "check", "fails"]]
+    checks = checks.assign(check="`" + checks["check"] + "`", fails=checks["fails"].map(yes_no))
+    columns = {"kind": "mutant in", "missed": "not noticed"}
+    tables = {
+        "mutants": ReportTable.of_frame(kinds.reset_index().rename(columns=columns), left=("mutant in",)),
+        "checks": ReportTable.of_frame(checks.rename(columns={"check": "independent test"}), left=_CHECKED),
+    }
+    write_tables(PAGE, tables)
+
+
+_CHECKED = ("mutant", "function", "independent test", "fails")
+
+
+def _joined(texts: "pandas.Series[str]") -> str:
+    return "; ".join(texts.dropna())
 
 
 def mutants(
@@ -280,11 +267,12 @@ def mutants(
     if states := noticed(None, stops):
         raise InputError(f"without any mutant the regression says {states}: accept or correct that first")
     chosen = [mutant for mutant in rows(DATA) if only in mutant.meaning]
-    results: list[Result] = []
+    results: list[dict[str, Any]] = []
     with ThreadPoolExecutor(workers) as pool:
-        for result in pool.map(partial(result_of, stops=stops, only_first=first), chosen):
-            results.append(result)
-            say(str(result))
-    say(f"{sum(bool(result.moved) for result in results)} of {len(results)} mutants were noticed")
+        for one in pool.map(partial(result_of, stops=stops, only_first=first), chosen):
+            results.append(one)
+            check = one["check"] and f"; {one['check']}: {'fails' if one['fails'] else 'PASSES'}"
+            say(f"{one['mutant']:55}  {len(one['moved']):2}  {', '.join(one['moved']) or '—'}{check}")
+    say(f"{sum(bool(one['moved']) for one in results)} of {len(results)} mutants were noticed")
     if write:
-        write_page(results)
+        write_page(pandas.DataFrame(results))

@@ -39,7 +39,7 @@ import subprocess
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -435,20 +435,24 @@ def reason(detail: str) -> str:
     return re.sub(r"\d+", "N", line)[:110]
 
 
-def table(rows: Iterable[tuple[SuiteCase, Verdict]]) -> str:
+def counts(rows: pandas.DataFrame) -> dict[str, Counter[str]]:
+    """Return the number of classes of each verdict, for "legal" and "illegal" classes, if there are any."""
+    found = {
+        what: Counter(rows["verdict"][rows["legal"] == legal]) for what, legal in (("legal", True), ("illegal", False))
+    }
+    return {what: verdicts for what, verdicts in found.items() if verdicts}
+
+
+def table(rows: pandas.DataFrame) -> str:
     """Return the counts of verdicts, and the reasons of refusals by their number."""
-    rows = list(rows)
-    lines: list[str] = []
-    for legal, what in ((True, "legal"), (False, "illegal")):
-        verdicts = Counter(outcome.verdict for case, outcome in rows if case.legal == legal)
-        if verdicts:
-            counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.most_common())
-            lines.append(f"{verdicts.total()} {what}: {counts}")
-    why = Counter(reason(o.detail) for c, o in rows if c.legal and o.verdict == "refused")
+    lines = [
+        f"{verdicts.total()} {what}: {', '.join(f'{count} {verdict}' for verdict, count in verdicts.most_common())}"
+        for what, verdicts in counts(rows).items()
+    ]
+    why = Counter(rows["detail"][rows["legal"] & (rows["verdict"] == "refused")].map(reason))
     lines += ["reasons of refusals of legal classes:", *(f"{count:5d}  {text}" for text, count in why.most_common())]
-    for case, outcome in rows:
-        if outcome.verdict not in ("right", "translated", "refused", "accepted", "fails"):
-            lines.append(f"{outcome.verdict}: {case.class_name}: {' '.join(outcome.detail.split())[:200]}")
+    others = rows[~rows["verdict"].isin(("right", "translated", "refused", "accepted", "fails"))].itertuples()
+    lines += [f"{row.verdict}: {row[1]}: {' '.join(str(row.detail).split())[:200]}" for row in others]
     return "\n".join(lines)
 
 
@@ -465,7 +469,6 @@ def suites(
     """Build and simulate the classes of a copy of a Modelica test suite."""
     out = out or Path("build/suites", f"{kind}-{compiler}.csv")
     out.parent.mkdir(parents=True, exist_ok=True)
-    rows: list[tuple[SuiteCase, Verdict]] = []
     with tempfile.TemporaryDirectory() as scratch, out.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(["class", "legal", "verdict", "seconds", "detail"])
@@ -481,10 +484,10 @@ def suites(
             outcome = judge_apart(case, seconds, compiler)
             if control and case.legal and outcome.verdict == "right" and kind == "compliance":
                 outcome = replace(outcome, detail=unchecked(case, seconds))
-            rows.append((case, outcome))
             took = f"{time.perf_counter() - began:.1f}"
             writer.writerow([case.class_name, case.legal, outcome.verdict, took, outcome.detail])
             stream.flush()
-    if not rows:
+    rows = pandas.read_csv(out, keep_default_na=False)
+    if rows.empty:
         raise InputError(f"{suite}: no class of the kind {kind} was found")
     say(table(rows))

@@ -17,7 +17,7 @@ from railgrip.report.frame import Frame, StatedDistance
 from railgrip.report.reference import label, locked_text, references
 from railgrip.report.results import Results, from_elsewhere
 from railgrip.report.statistics import median_interval, on_common, rank
-from railgrip.report.table import ReportTable, names, percent, text
+from railgrip.report.table import ReportTable, names, percent, text, with_interval
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import SMOOTH, RepeatedDistances, read_conditioning
 from railgrip.scenario.onboard import SampledSensors
@@ -200,8 +200,7 @@ def _moved_by_steps(repeated: RepeatedDistances) -> str:
     texts: list[str] = []
     for divisor in sorted(repeated.steps):
         change, noise = repeated.moved_by_step(divisor), repeated.noise_of_step(divisor)
-        shown = text(100 * change, "{:+.2f} %")
-        texts.append(f"**{shown}**" if abs(change) > max(noise, _VISIBLE) else shown)
+        texts.append(_bold(text(100 * change, "{:+.2f} %"), abs(change) > max(noise, _VISIBLE)))
     noise = max(repeated.noise_of_step(divisor) for divisor in repeated.steps)
     return f"{', '.join(texts)} (± {100 * noise:.2f} %)"
 
@@ -237,16 +236,20 @@ def _errors_over_tolerance(stop: PlannedStop, repeated: RepeatedDistances) -> di
     every = [d or math.inf for each in (repeated.distances, *repeated.tolerances.values()) for d in each]
     errors = {"as in the recipe": repeated.error_at(None)}
     errors |= {f"{tolerance:.0e}": repeated.error_at(tolerance) for tolerance in loose_to_tight[:-1]}
-    return (
-        {"stop": _name_of(stop)}
-        | {"tightest": float(np.median([d or math.inf for d in repeated.tolerances[loose_to_tight[-1]]]))}
-        | {
-            column: f"**{shown}**" if abs(error) > max(noise, _VISIBLE) else shown
+    tightest = np.median([d or math.inf for d in repeated.tolerances[loose_to_tight[-1]]])
+    return {
+        "stop": _name_of(stop),
+        "tightest": float(tightest),
+        **{
+            column: _bold(f"{text(100 * error, '{:+.2f}')} ± {100 * noise:.2f} %", abs(error) > max(noise, _VISIBLE))
             for column, (error, noise) in errors.items()
-            for shown in (f"{text(100 * error, '{:+.2f}')} ± {100 * noise:.2f} %",)
-        }
-        | {"range": f"{min(every):.1f} – {max(every):.1f} m"}
-    )
+        },
+        "range": f"{min(every):.1f} – {max(every):.1f} m",
+    }
+
+
+def _bold(shown: str, is_bold: bool) -> str:
+    return f"**{shown}**" if is_bold else shown
 
 
 _VISIBLE = 5e-5
@@ -288,19 +291,20 @@ def compilers_table(*accepted: tuple[Campaign, Baseline]) -> ReportTable:
 
     A difference is that between the nearest ends of both ranges; above `ACROSS_COMPILERS` it is bold.
     """
-    rows: list[dict[str, Any]] = []
-    for campaign, baseline in accepted:
-        for stop in baseline.selection(campaign).stops:
-            one = baseline.accepted.get(stop.name)
-            if one is None or not one.compilers:
-                continue
-            ours, others = one.ends, one.compilers["openmodelica"]
-            rows.append(
-                {"stop": _name_of(stop)}
-                | {"built-in compiler": _range_text(*ours), "OpenModelica": _range_text(*others)}
-                | {"difference": _apart(ours, others, one.value)}
-            )
-    return ReportTable(rows, left=("stop",))
+    values = [
+        (stop, one, one.compilers["openmodelica"])
+        for campaign, baseline in accepted
+        for stop in baseline.selection(campaign).stops
+        if (one := baseline.accepted.get(stop.name)) is not None and one.compilers
+    ]
+    return _table_of_compilers(
+        (_name_of(stop), _range_text(*one.ends), _range_text(*others), _apart(one.ends, others, one.value))
+        for stop, one, others in values
+    )
+
+
+def _table_of_compilers(rows: Iterable[tuple[str, ...]]) -> ReportTable:
+    return ReportTable.of(("stop", "built-in compiler", "OpenModelica", "difference"), rows)
 
 
 def medians_table(*campaigns: Campaign) -> ReportTable:
@@ -308,19 +312,15 @@ def medians_table(*campaigns: Campaign) -> ReportTable:
 
     A difference is that between the nearest ends of both intervals; above `ACROSS_COMPILERS` it is bold.
     """
-    rows: list[dict[str, Any]] = []
+    rows: list[tuple[str, ...]] = []
     for stop, repeated in _repeated(campaigns, "compilers"):
         distances = repeated.distances, repeated.compilers["openmodelica"]
-        intervals = [median_interval(each) or (min(each), max(each)) for each in distances]
+        ours, others = intervals = [median_interval(each) or (min(each), max(each)) for each in distances]
         shown = [
-            f"{np.median(each):.1f} m [{low:.1f}, {high:.1f}]"
-            for each, (low, high) in zip(distances, intervals, strict=True)
+            with_interval(float(np.median(d)), i, "{:.1f}", " m") for d, i in zip(distances, intervals, strict=True)
         ]
-        rows.append(
-            {"stop": _name_of(stop), "built-in compiler": shown[0], "OpenModelica": shown[1]}
-            | {"difference": _apart(intervals[0], intervals[1], repeated.median)}
-        )
-    return ReportTable(rows, left=("stop",))
+        rows.append((_name_of(stop), *shown, _apart(ours, others, repeated.median)))
+    return _table_of_compilers(rows)
 
 
 def _name_of(stop: PlannedStop) -> str:
@@ -330,8 +330,7 @@ def _name_of(stop: PlannedStop) -> str:
 def _apart(first: tuple[float, float], second: tuple[float, float], size: float) -> str:
     """Return the gap between two ranges relative to a size, bold above `ACROSS_COMPILERS`."""
     apart = (second[0] - first[1] if second[0] > first[1] else min(second[1] - first[0], 0.0)) / size
-    shown = text(100 * apart, "{:+.2f} %")
-    return f"**{shown}**" if abs(apart) > ACROSS_COMPILERS else shown
+    return _bold(text(100 * apart, "{:+.2f} %"), abs(apart) > ACROSS_COMPILERS)
 
 
 def _range_text(low: float, high: float) -> str:
