@@ -368,12 +368,9 @@ def load(file: Path) -> Trained:
         EstimatorError: The file is missing, or is not a trained estimator.
     """
     try:
-        content = json.loads(read_text(file, 256 << 20))
+        content = json.loads(read_text(file, 256 << 20, if_missing="; `make learn` writes trained estimators"))
     except InputError as problem:
-        is_missing = isinstance(problem.__cause__, FileNotFoundError)
-        raise EstimatorError(
-            f"{problem}{'; `make learn` writes trained estimators' if is_missing else ''}."
-        ) from problem
+        raise EstimatorError(f"{problem}.") from problem
     except (json.JSONDecodeError, RecursionError) as problem:
         raise EstimatorError(f"{file}: is not JSON: {problem}.") from problem
     kinds = {kind.KIND: kind for kind in (PaperEstimator, GeneralEstimator)}

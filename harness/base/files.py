@@ -67,7 +67,7 @@ LARGEST_TABLE: Final = 1 << 30
 
 
 @contextmanager
-def open_regular(path: Path, largest: int = LARGEST_TEXT) -> Generator[BinaryIO]:
+def open_regular(path: Path, largest: int = LARGEST_TEXT, *, if_missing: str = "") -> Generator[BinaryIO]:
     """Open a user's file for reading, in bytes.
 
     Pipes and devices are refused because reading them may never end.
@@ -75,6 +75,7 @@ def open_regular(path: Path, largest: int = LARGEST_TEXT) -> Generator[BinaryIO]
     Args:
         path: File; links are followed.
         largest: Maximum size [bytes].
+        if_missing: Words that end the message on a missing file.
 
     Raises:
         InputError: The file is missing, unreadable, too large, or not a regular file.
@@ -84,7 +85,7 @@ def open_regular(path: Path, largest: int = LARGEST_TEXT) -> Generator[BinaryIO]
         # Without O_NONBLOCK, opening a pipe waits until another process writes to it.
         number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     except FileNotFoundError as problem:
-        raise InputError(f"{name}: there is no such file; correct the path") from problem
+        raise InputError(f"{name}: there is no such file; correct the path{if_missing}") from problem
     except (OSError, ValueError) as problem:  # ValueError: a null character in the path
         reason = problem.strerror if isinstance(problem, OSError) else problem
         raise InputError(f"{name}: cannot be read: {reason}") from problem
@@ -106,13 +107,13 @@ def open_regular(path: Path, largest: int = LARGEST_TEXT) -> Generator[BinaryIO]
         yield stream
 
 
-def read_bytes(path: Path, largest: int = LARGEST_TEXT) -> bytes:
+def read_bytes(path: Path, largest: int = LARGEST_TEXT, *, if_missing: str = "") -> bytes:
     """Return the content of a user's file; see `open_regular`.
 
     Raises:
         InputError: See `open_regular`.
     """
-    with open_regular(path, largest) as stream:
+    with open_regular(path, largest, if_missing=if_missing) as stream:
         try:
             return stream.read(largest)
         except OSError as problem:
@@ -126,13 +127,13 @@ def path_of(value: Any, name: str) -> Path:
     return Path(value)
 
 
-def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
+def read_text(path: Path, largest: int = LARGEST_TEXT, *, if_missing: str = "") -> str:
     """Return the text of a user's UTF-8 file, without a byte order mark, and with "\\n" as end of line.
 
     Raises:
         InputError: See `open_regular`; or the content is an archive or not UTF-8.
     """
-    content = read_bytes(path, largest)
+    content = read_bytes(path, largest, if_missing=if_missing)
     if content.startswith(b"PK\x03\x04"):
         raise InputError(f"{place(path)}: is a zip archive, as .fmu, .ssp and .xlsx files are; name a file of text")
     try:
@@ -141,13 +142,13 @@ def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
         raise InputError(f"{place(path)}: is not text in UTF-8 ({problem}); save it in that encoding") from problem
 
 
-def require_regular(path: Path, largest: int) -> None:
+def require_regular(path: Path, largest: int, *, if_missing: str = "") -> None:
     """Check a file that a library will open by its path; see `open_regular`.
 
     Raises:
         InputError: See `open_regular`.
     """
-    with open_regular(path, largest):
+    with open_regular(path, largest, if_missing=if_missing):
         pass
 
 

@@ -177,11 +177,10 @@ def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
     """
     path = Path(file)
     try:
-        require_regular(path, limits.unpacked_mib * MIB)
+        require_regular(path, limits.unpacked_mib * MIB, if_missing=", or build it (railgrip build)")
         content = digest(path)
     except InputError as error:
-        is_missing = isinstance(error.__cause__, FileNotFoundError)
-        raise FmuError(f"{error}{', or build it (railgrip build)' if is_missing else ''}.") from error
+        raise FmuError(f"{error}.") from error
     inside = members(path, limits)
     first = outline(path, limits)
     fmi = _version(path, first)

@@ -128,11 +128,9 @@ def require_format(path: Path) -> None:
 
 def _require_file(path: Path) -> None:
     try:
-        require_regular(path, LARGEST_TABLE)
+        require_regular(path, LARGEST_TABLE, if_missing=f"; name a recording ({', '.join(FORMATS)})")
     except InputError as problem:
-        is_missing = isinstance(problem.__cause__, FileNotFoundError)
-        hint = f"; name a recording ({', '.join(FORMATS)})" if is_missing else ""
-        raise EstimationError(f"{problem}{hint}.") from problem
+        raise EstimationError(f"{problem}.") from problem
     require_format(path)
 
 

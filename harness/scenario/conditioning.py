@@ -197,12 +197,11 @@ def read_conditioning(path: Path) -> ConditioningFile:
     Raises:
         ScenarioError: The file is missing or has other content.
     """
+    hint = "; `make conditioning` writes those of this project"
     try:
-        table = parse_json(path, read_bytes(path, LARGEST_JSON))
+        table = parse_json(path, read_bytes(path, LARGEST_JSON, if_missing=hint))
     except InputError as problem:
-        is_missing = isinstance(problem.__cause__, FileNotFoundError)
-        hint = "; `make conditioning` writes those of this project" if is_missing else ""
-        raise ScenarioError(f"{problem}{hint}") from problem
+        raise ScenarioError(str(problem)) from problem
     return validate_table(ConditioningFile, table, directory=path.parent, origin=path.name)
 
 

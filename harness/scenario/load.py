@@ -391,13 +391,11 @@ def read_toml(path: Path) -> TomlTable:
         ScenarioError: The file is missing, unreadable, or not TOML.
     """
     try:
-        return parse_toml(read_text(path))
+        return parse_toml(read_text(path, if_missing=", or use a name that `railgrip list` shows"))
     except tomllib.TOMLDecodeError as problem:
         raise ScenarioError(f"{cut(path.name)}: is not TOML: {cut(str(problem))}") from problem
     except InputError as problem:
-        is_missing = isinstance(problem.__cause__, FileNotFoundError)
-        hint = ", or use a name that `railgrip list` shows" if is_missing else ""
-        raise ScenarioError(f"{problem}{hint}") from problem
+        raise ScenarioError(str(problem)) from problem
 
 
 def require_kind(table: Mapping[str, Any], kind_of_command: Kind, path: Path) -> None:
