@@ -160,11 +160,9 @@ class Demand(Table):
         Raises:
             PydanticCustomError: The file is not a profile.
         """
-        assert self.file is not None
-        try:
-            return _read_profile(self.file.path, self.file.digest())
-        except ValueError as problem:
-            raise table_error(f"file {self.file.entry}: {problem}") from problem
+        file = self.file
+        assert file is not None
+        return file.read(lambda path: _read_profile(path, file.digest()))
 
 
 @lru_cache(maxsize=1)

@@ -8,9 +8,9 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 
 from pydantic import GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
@@ -21,6 +21,8 @@ from railgrip.base.tables import TomlTable
 from railgrip.base.units import cut, place, short
 from railgrip.fmus.native.library import file_digest
 from railgrip.scenario.table import table_error
+
+_Content = TypeVar("_Content")
 
 DIRECTORY = "directory"
 """Key of the validation context for the folder of the scenario file."""
@@ -121,6 +123,17 @@ class NamedFile:
     def digest(self) -> str:
         """Return the SHA-256 of the content; for a Modelica file, that of all files that its classes may use."""
         return file_digest(self.path)
+
+    def read(self, content_of: Callable[[Path], _Content]) -> _Content:
+        """Return the content by a function of the path, whose ValueErrors become those of the key `file`.
+
+        Raises:
+            PydanticCustomError: The function has raised a ValueError.
+        """
+        try:
+            return content_of(self.path)
+        except ValueError as problem:
+            raise table_error(f"file {self.entry}: {problem}") from problem
 
     @classmethod
     def find(cls, entry: object, info: ValidationInfo) -> "NamedFile":

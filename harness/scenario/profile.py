@@ -205,14 +205,17 @@ class _Varying(_Profile):
 
     def extent(self, name: str) -> float:
         """Return a length or duration of this table in the unit of its axis."""
-        return getattr(self, name).si(self.unit)
+        return self._si(name, getattr(self, name), self.unit)
+
+    def _si(self, name: str, magnitude: Magnitude, unit: str) -> float:
+        try:
+            return magnitude.si(unit)
+        except ValueError as problem:
+            raise table_error(f"{name} {problem} (the profile runs over {self.over})") from problem
 
     def _check_extents(self, *names: str, zero: tuple[str, ...] = ()) -> None:
         for name in names:
-            try:
-                value = self.extent(name)
-            except ValueError as problem:
-                raise table_error(f"{name} {problem} (the profile runs over {self.over})") from problem
+            value = self.extent(name)
             if value < 0 or (value == 0 and name not in zero):
                 raise table_error(
                     f"{name} must be {'at least' if name in zero else 'above'} 0 {self.unit}, got {value:g}"
@@ -272,17 +275,13 @@ class SineSweep(_Varying):
     def frequencies(self) -> tuple[float, float]:
         """Start and end frequency in 1/s or 1/m."""
         unit = "Hz" if self.over == "time" else "1/m"
-        return self.start_frequency.si(unit), self.end_frequency.si(unit)
+        return self._si("frequency", self.start_frequency, unit), self._si("frequency", self.end_frequency, unit)
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
         self._check_extents("sweep")
-        try:
-            frequencies = self.frequencies
-        except ValueError as problem:
-            raise table_error(f"frequency {problem} (the profile runs over {self.over})") from problem
-        if min(frequencies) <= 0:
-            raise table_error(f"frequencies must be above 0, got {frequencies}")
+        if min(self.frequencies) <= 0:
+            raise table_error(f"frequencies must be above 0, got {self.frequencies}")
         if self.amplitude >= self.mean:
             raise table_error(f"amplitude {self.amplitude:g} reaches mean {self.mean:g}: friction must stay above 0")
         return self
@@ -347,14 +346,11 @@ class Points(_Varying):
 
     @property
     def _axis(self) -> Array:
-        return np.array([place.si(self.unit) for place, _ in self.points])
+        return np.array([self._si("points", place, self.unit) for place, _ in self.points])
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
-        try:
-            places = self.places
-        except ValueError as problem:
-            raise table_error(f"points {problem} (the profile runs over {self.over})") from problem
+        places = self.places
         if self.origin is not None and self.over == "time":
             raise table_error("has an origin, which is a place on the rail, and runs over time; leave origin out")
         if list(places) != sorted(set(places)) or (self.origin is None and places[0] < 0):
@@ -394,10 +390,7 @@ class FromTable(_Profile):
     @property
     def curve(self) -> TabulatedQuantity:
         """The content of the file."""
-        try:
-            return read_curve(self.file.path, self.origin)
-        except ValueError as problem:
-            raise table_error(f"file {self.file.entry}: {problem}") from problem
+        return self.file.read(lambda path: read_curve(path, self.origin))
 
     @property
     def direction(self) -> Direction:

@@ -179,10 +179,7 @@ class TrackLine(Table):
 
     @cached_property
     def _profile(self) -> LineProfile:
-        try:
-            return read_line(self.file.path, STEEPEST)
-        except ValueError as problem:
-            raise table_error(f"file {self.file.entry}: {problem}") from problem
+        return self.file.read(lambda path: read_line(path, STEEPEST))
 
 
 class Track(Table):
