@@ -1,20 +1,26 @@
 """Stops at a target through the whole loop, and the study over draws of them."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from railgrip.base.errors import ScenarioError
+from railgrip.simulate.estimator import body_force_of
 from railgrip.simulate.export.c_parts import part_in_c
 from railgrip.simulate.run import trace_of
+from railgrip.studies.stop_at_target import stop_at_target_study as module
 from railgrip.studies.stop_at_target.stop_at_target_study import (
     DECELERATION,
     LIBRARY,
     MANAGED,
     RAILS,
     SLIPPERY,
+    SYSTEMS,
+    TEST_SEED,
     Draw,
+    StopAtTarget,
     draws_of,
     scenario_of_case,
     stop_row,
@@ -76,6 +82,27 @@ def test_draws_cover_their_ranges_evenly_and_repeat():
     assert np.mean([draw.load for draw in draws]) == pytest.approx(1.1, rel=1e-2)
 
 
+def test_the_page_compares_systems_on_the_same_draws(monkeypatch):
+    """Errors rise by a centimetre from draw to draw; with adhesion management they are a tenth of the better other."""
+    factors = dict(zip(SYSTEMS, (2.0, 1.0, 0.1), strict=True))
+    rest = {"duration": 30.0, "sand": 0.1, "air": 0.2, "magnets": 3.0}
+    monkeypatch.setattr(
+        module, "stop_row", lambda case: {"error": 0.01 * factors[case[0]] * (case[2].seed - TEST_SEED + 1)} | rest
+    )
+    page = StopAtTarget(draws=100, sets=0).page(SimpleNamespace(map=lambda run, cases: [run(case) for case in cases]))
+    answers = page.values["answers"]
+    better = "to that of the better baseline, deceleration control, is "
+    assert f"{better}0.10 [0.10, 0.10]; the aim of a third is reached" in answers["with magnets"]
+    assert f"{better}0.10; whether the aim of a third is reached is not shown" in answers["without magnets"]
+    draws = [draw.seed for draw in draws_of(100, TEST_SEED) if draw.rail == "slippery"]
+    rows = {row["system"]: row for row in page.tables["errors.csv"].rows if row["rail"] == "slippery"}
+    for system, factor in factors.items():
+        errors = 0.01 * factor * (np.array(draws) - TEST_SEED + 1)
+        assert rows[system]["draws"] == len(errors)
+        assert [rows[system][name] for name in ("P50", "P95")] == pytest.approx(np.quantile(errors, (0.5, 0.95)))
+        assert rows[system]["P99"] is None  # with 80 draws none is beyond it
+
+
 def test_a_track_whose_sanders_are_switched_does_not_leave_as_an_fmu():
     with pytest.raises(ScenarioError, match=r"deceleration_control switches the sanders"):
         part_in_c(scenario_of_case((MANAGED, {}, DRY, True)), "track")
@@ -94,3 +121,5 @@ def test_trains_of_the_study_differ_by_their_magnets():
     with_magnets, without = load_train(LIBRARY / "railcar.toml"), load_train(locate("vt642", "trains"))
     assert with_magnets.track_brake_force > 0.0 == without.track_brake_force
     assert with_magnets.mass == without.mass
+    assert body_force_of(with_magnets, 0.01) is not None
+    assert body_force_of(without, 0.01) is None
