@@ -53,6 +53,12 @@ MOTOR = {
 }  # fmt: skip
 """An electrodynamic brake of a train file."""
 
+TYPICAL = {
+    "speed": 20.0, "wheelset_speed": 50.0, "pad_friction": 0.35, "group_adhesion": 0.1, "dz": 1e-3, "ddz": 1e-2,
+    "d": 0.1, "bias": 0.05,
+}  # fmt: skip
+"""States of a braking train by the names of their arrays [SI]."""
+
 ON_RAIL = {
     "kind": "eddy_current_rail", "force": "20 kN", "speed_peak": "90 km/h", "speed_full": "60 km/h",
     "speed_end": "50 km/h", "time_constant": "0.5 s", "estimated": True,

@@ -1,25 +1,21 @@
 """Prediction models of a few lines, written in CasADi, for the tests of the estimators."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
 
+from railgrip.estimators.design import pad_gate
+from railgrip.estimators.prediction import CasadiPrediction, with_state_names
+from railgrip.fmus.native import lower
+from railgrip.vehicle.brake import pressure_of
 
-@dataclass(frozen=True)
-class Name:
-    name: str
 
+class SmallModel(SimpleNamespace):
+    """States, inputs, parameters and outputs, with names, and the functions `derivative` and `output`."""
 
-@dataclass(frozen=True)
-class SmallModel:
-    states: tuple[Name, ...]
-    inputs: tuple[Name, ...]
-    parameters: tuple[Name, ...]
-    outputs: tuple[Name, ...]
-    derivative: ca.Function
-    output: ca.Function
+    __hash__ = object.__hash__  # filters are generated once for each model
 
 
 Equation = Callable[[ca.SX, ca.SX, ca.SX, ca.SX], Sequence[ca.SX]]
@@ -27,23 +23,15 @@ Equation = Callable[[ca.SX, ca.SX, ca.SX, ca.SX], Sequence[ca.SX]]
 
 def small_model(states: str, inputs: str, parameters: str, outputs: str, f: Equation, h: Equation) -> SmallModel:
     """Names separated by blanks; `f` and `h` are functions of the symbols (t, x, u, p)."""
-    x_names, u_names, p_names, y_names = (
-        tuple(Name(word) for word in words.split()) for words in (states, inputs, parameters, outputs)
-    )
-    given = [
-        ca.SX.sym("t"),
-        ca.SX.sym("x", len(x_names)),
-        ca.SX.sym("u", len(u_names)),
-        ca.SX.sym("p", len(p_names)),
-    ]
-    return SmallModel(
-        x_names,
-        u_names,
-        p_names,
-        y_names,
-        ca.Function("derivative", given, [ca.vertcat(*f(*given))]),
-        ca.Function("output", given, [ca.vertcat(*h(*given))]),
-    )
+    words = {"states": states, "inputs": inputs, "parameters": parameters, "outputs": outputs}
+    names = {kind: tuple(SimpleNamespace(name=word) for word in text.split()) for kind, text in words.items()}
+    sizes = {"t": 1, "x": len(names["states"]), "u": len(names["inputs"]), "p": len(names["parameters"])}
+    given = [ca.SX.sym(symbol, size) for symbol, size in sizes.items()]
+    functions = {
+        name: ca.Function(name, given, [ca.vertcat(*equation(*given))])
+        for name, equation in (("derivative", f), ("output", h))
+    }
+    return SmallModel(**names, **functions)
 
 
 WHEELSET = {"m": 14_500.0, "J": 209.0, "r_wheel": 0.38, "r_friction": 0.22, "n_units": 2.0, "drag": 5.4}
@@ -79,11 +67,14 @@ FIRST_VARIANCE = np.array([1e-2, 1e-1, 2.5e-3, 1e-3])
 """Noises of states and readings, and the initial estimate, of filters on the wheelset."""
 
 
-TYPICAL = {
-    "speed": 20.0, "wheelset_speed": 50.0, "pad_friction": 0.35, "group_adhesion": 0.1, "dz": 1e-3, "ddz": 1e-2,
-    "d": 0.1, "bias": 0.05,
-}  # fmt: skip
-"""States of a braking train by the names of their arrays [SI]."""
+PAD_GATE = pad_gate(pressure_of(1500.0, piston_area=0.0324, rigging=6.0 * 0.95, spring_force=1200.0), groups=4)
+"""The gate of pad friction of the two-part train, at a pad force of 1500 N."""
+
+
+def train_prediction(name: str) -> CasadiPrediction:
+    """Return a prediction class of the two-part train with its own parameters."""
+    model = with_state_names(lower(f"RailBraking.Predictions.{name}"))
+    return CasadiPrediction(model, {parameter.name: parameter.start for parameter in model.parameters})
 
 
 def runge_kutta(slope: ca.Function, x: ca.SX, u: ca.SX, period: float, steps: int = 2) -> ca.SX:

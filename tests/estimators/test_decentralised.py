@@ -15,12 +15,13 @@ import pytest
 from nees import chi_square_bounds, nees
 from sampling import sample
 from small_models import draws, runge_kutta
+from synthetic import TYPICAL
 
 from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import GaussianEstimate
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.design import NOISE_SETS, Gate
-from railgrip.estimators.filters.decentralised import Consist, DecentralisedFilter, Part, part_equations
+from railgrip.estimators.filters.decentralised import Consist, DecentralisedFilter, part_equations
 from railgrip.estimators.prediction import CasadiPrediction, with_state_names
 from railgrip.fmus.native import lower
 from railgrip.rolling_stock.modelica import nominal_data
@@ -153,9 +154,7 @@ def test_the_parts_of_a_train_add_up_to_the_prediction_of_the_whole(train: str):
     for _ in range(5):
         state = dict(zip(consist.states, random.uniform(0.5, 1.5, len(consist.states)), strict=True))
         for name in state:
-            state[name] *= {"speed": 20.0, "wheelset_speed": 50.0, "pad_friction": 0.35, "group_adhesion": 0.1}.get(
-                name.partition("[")[0], 1e-3
-            )
+            state[name] *= TYPICAL.get(name.partition("[")[0], 1e-3)
         u = np.append(random.uniform(0.5e5, 3e5, formation.groups), 1e3)
         each = [np.array([state[name] for name in part.states]) for part in consist.parts]
         own = [np.array([u[consist.inputs.index(name)] for name in part.inputs]) for part in consist.parts]
@@ -279,4 +278,3 @@ def test_bogies_of_two_wheelsets_with_known_frames_have_suspension_and_others_do
     parts = consist_of(formation, data | MIXED | FRAMES).parts
     assert [len(part.states) for part in parts] == [3, 3, 3, 10]
     assert [len(part.states) for part in consist_of(formation, data).parts] == [3] * 5
-    assert isinstance(parts[0], Part)

@@ -10,7 +10,7 @@ import pandas
 import pytest
 import xarray
 from command_line import done
-from small_models import TYPICAL
+from synthetic import TYPICAL
 from wrong import table
 
 from railgrip.base.errors import InputError

@@ -40,18 +40,15 @@ import pytest
 from nees import chi_square_bounds, nees
 from sampling import sample
 from scipy.optimize import root
-from small_models import draws, runge_kutta
+from small_models import PAD_GATE, draws, runge_kutta, train_prediction
 
 from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.design import NOISE_SETS, pad_gate
-from railgrip.estimators.prediction import CasadiPrediction, with_state_names
-from railgrip.fmus.native import lower
-from railgrip.vehicle.brake import pressure_of
+from railgrip.estimators.design import NOISE_SETS
+from railgrip.estimators.prediction import CasadiPrediction
 
 PERIOD = 1e-3
 SPEED, ADHESION, RADIUS = 22.0, 0.10, 0.38
-GATE = pad_gate(pressure_of(1500.0, piston_area=0.0324, rigging=6.0 * 0.95, spring_force=1200.0), groups=4)
 RUNS, STEPS = 100, 400
 INSTANTS = (20, 100, 250, 400)
 """Steps at which NEES is evaluated: in the transient, before the release, at its end, and at the end of the run."""
@@ -91,8 +88,7 @@ class Tuned:
 
 @cache
 def tuned(model: str, sensors: str) -> Tuned:
-    lowered = with_state_names(lower(f"RailBraking.Predictions.{model}"))
-    prediction = CasadiPrediction(lowered, {parameter.name: parameter.start for parameter in lowered.parameters})
+    prediction = train_prediction(model)
     noises = NOISE_SETS[f"{MODELS[model]}_{sensors}"]
     mean, pressures = settled(prediction)
     return Tuned(
@@ -163,7 +159,7 @@ def checks(tuning: Tuned, true: tuple, *, process: float = 1.0, reading: float =
     Each with the bounds of the interval that contains it with the probability CONFIDENCE if the filter is consistent.
     """
     prediction, (held, state, seen) = tuning.prediction, true
-    ours = CompiledFilter(prediction, process * tuning.process, reading * tuning.reading, PERIOD, GATE)
+    ours = CompiledFilter(prediction, process * tuning.process, reading * tuning.reading, PERIOD, PAD_GATE)
     n, m = len(prediction.states), len(prediction.outputs)
     errors, squares = np.empty((len(INSTANTS), RUNS)), np.empty((STEPS, RUNS))
     innovations = np.empty((STEPS, RUNS, m))

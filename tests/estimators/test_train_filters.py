@@ -3,28 +3,24 @@
 import numpy as np
 import pytest
 from contracts.prediction import prediction_contract
+from small_models import PAD_GATE, train_prediction
 
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import advance
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consistency import delay
-from railgrip.estimators.design import NOISE_SETS, pad_gate
+from railgrip.estimators.design import NOISE_SETS
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.observability import observability
-from railgrip.estimators.prediction import CasadiPrediction, with_state_names
-from railgrip.fmus.native import lower
-from railgrip.vehicle.brake import pressure_of
 
 PERIOD = 1e-3
 FULL_BRAKE = np.array([3.4e5, 2.0e5, 2.0e5, 3.4e5, 0.0])
-GATE = pad_gate(pressure_of(1500.0, piston_area=0.0324, rigging=6.0 * 0.95, spring_force=1200.0), groups=4)
 SIZES = {"speed": 20.0, "wheelset_speed": 50.0, "pad_friction": 0.35, "group_adhesion": 0.1, "dz": 3e-3, "ddz": 0.1}
 
 
 @pytest.fixture(scope="module", params=["TrainPrediction", "TrainPredictionReduced"])
 def prediction(request):
-    model = with_state_names(lower(f"RailBraking.Predictions.{request.param}"))
-    return CasadiPrediction(model, {parameter.name: parameter.start for parameter in model.parameters})
+    return train_prediction(request.param)
 
 
 def sizes(prediction):
@@ -34,7 +30,7 @@ def sizes(prediction):
 def parts(prediction, sensors):
     chosen = NOISE_SETS[("train_" if len(prediction.states) == 25 else "reduced_") + sensors]
     noises = chosen.process_noise(prediction.states), chosen.reading_noise(prediction.outputs)
-    return (prediction, *noises, PERIOD, GATE), chosen.start_covariance(prediction.states)
+    return (prediction, *noises, PERIOD, PAD_GATE), chosen.start_covariance(prediction.states)
 
 
 def rolling(prediction, speed=22.0, adhesion=0.05):
@@ -55,9 +51,9 @@ def test_missing_names_of_a_noise_set_for_another_model_are_listed():
 
 def test_the_pad_gate_is_the_pressure_of_the_minimum_pad_force():
     """F = η i (p A − F_spring) = 1500 N."""
-    assert 0.95 * 6.0 * (GATE.threshold * 0.0324 - 1200.0) == pytest.approx(1500.0, rel=1e-12)
-    assert GATE.inputs[2] == "cylinder_pressure[3]"
-    assert GATE.states[2] == "pad_friction[3]"
+    assert 0.95 * 6.0 * (PAD_GATE.threshold * 0.0324 - 1200.0) == pytest.approx(1500.0, rel=1e-12)
+    assert PAD_GATE.inputs[2] == "cylinder_pressure[3]"
+    assert PAD_GATE.states[2] == "pad_friction[3]"
 
 
 @pytest.mark.parametrize("sensors", ["ideal", "service"])
