@@ -1,70 +1,14 @@
 """The train's prediction FMUs are the functions of their Modelica classes, Jacobians included.
 
-The FMU's directional derivatives and central differences of the same FMU against the equations written out below, on
-states all over a stop.
+The FMU and its directional derivatives against the equations written out below, on states all over a stop; central
+differences of an FMU are compared with directional derivatives in test_fmu_exchange.py.
 """
-
-from collections.abc import Iterator
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from synthetic import TYPICAL
 
-from railgrip.base.names import state_name
-from railgrip.fmi import Description, FmuPrediction, describe
-from railgrip.fmus.native import package
-from railgrip.fmus.native.dae import read
-from railgrip.fmus.native.system import explicit
-
-LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
-
-
-@pytest.fixture(scope="module", params=[
-    "TrainPrediction", "TrainPredictionReduced", "TrainPredictionDisturbed", "TrainPredictionReducedDisturbed"
-])  # fmt: skip
-def catalogue(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Description:
-    name = f"RailBraking.Predictions.{request.param}"
-    file = tmp_path_factory.mktemp("prediction") / f"{request.param}.fmu"
-    source = package.sources(
-        explicit(read(name, LIBRARY)), interfaces=("me",), solver="rodas4", tolerance=1e-6, step=1e-3
-    )
-    package.pack(source, file)
-    return describe(file)
-
-
-def opened(description: Description, differentiation: str) -> FmuPrediction:
-    """Return the prediction with the FMU's own derivatives, or as if it had none."""
-    assert description.model_exchange is not None
-    own = replace(description.model_exchange, directional_derivatives=differentiation == "directional")
-    return FmuPrediction(
-        replace(description, model_exchange=own),
-        parameters={},
-        states=[state_name(symbol) for symbol in description.states],
-        inputs=description.names("input"),
-        outputs=[name for name in description.names("output") if name not in description.states],
-    )
-
-
-def points(start: np.ndarray, states: tuple[str, ...]) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Yield states and inputs of braking at 1 to 60 m/s, with up to 20 % slip and moving bogies."""
-    rng = np.random.default_rng(20)
-    for speed in (60.0, 22.0, 5.0, 1.0):
-        x = start.copy()
-        for i, name in enumerate(states):
-            if name == "speed":
-                x[i] = speed
-            elif name.startswith("wheelset_speed["):
-                x[i] *= speed / start[states.index("speed")] * rng.uniform(0.8, 1.0)
-            elif name.startswith(("dz", "ddz")):
-                x[i] = rng.normal(scale=2e-3)
-            elif name.startswith("group_adhesion["):
-                x[i] = rng.uniform(0.02, 0.2)
-            elif name in ("d", "bias"):
-                x[i] = rng.normal(scale=0.1)
-            else:
-                x[i] *= rng.uniform(0.7, 1.3)
-        yield x, np.array([*rng.uniform(0.5e5, 3.4e5, size=4), rng.normal(scale=5e3)])
+from railgrip.estimation.models import of_class
 
 
 def closed_form(state: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -111,34 +55,33 @@ def complex_step(x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize(
-    ("differentiation", "relative", "of_the_largest"),
-    # A central difference keeps two thirds of the digits of the larger entries.
-    [("directional", 1e-12, 1e-12), ("central", 1e-6, 1e-8)],
+    "name", [f"TrainPrediction{kind}" for kind in ("", "Reduced", "Disturbed", "ReducedDisturbed")]
 )
-def test_the_fmu_is_the_equations_written_out(
-    catalogue: Description, differentiation: str, relative: float, of_the_largest: float
-):
+def test_the_fmu_is_the_equations_written_out(name: str):
     """Derivatives, outputs and Jacobians, at random states of a stop."""
-    with opened(catalogue, differentiation) as fmu:
-        names = [
-            "speed",
-            *(f"{name}[{i}]" for name in ("wheelset_speed", "pad_friction", "group_adhesion") for i in range(1, 5)),
-        ]
-        names += [f"{name}[{i}]" for name in ("dz", "ddz") for i in range(1, 7)] if len(fmu.states) > 15 else []
-        names += ["d", "bias"] if len(fmu.states) in (15, 27) else []
+    of_groups, wheelsets = range(1, 5), [] if "Reduced" in name else range(1, 7)
+    wheel_speeds = [f"wheelset_speed[{i}]" for i in of_groups]
+    names = [
+        "speed",
+        *wheel_speeds,
+        *(f"{base}[{i}]" for base in ("pad_friction", "group_adhesion") for i in of_groups),
+    ]
+    names += [f"{base}[{i}]" for base in ("dz", "ddz") for i in wheelsets]
+    names += ["d", "bias"] if "Disturbed" in name else []
+    rng, typical = np.random.default_rng(20), [TYPICAL[each.partition("[")[0]] for each in names]
+    with of_class(name).prediction({}) as fmu:
         assert sorted(fmu.states) == sorted(names)
-        deflections = [f"deflection[{i}]" for i in range(1, 7)] if len(names) > 15 else []
-        assert fmu.inputs == (*(f"cylinder_pressure[{i}]" for i in range(1, 5)), "track_force")
-        assert fmu.outputs == ("speed", *(f"wheelset_speed[{i}]" for i in range(1, 5)), *deflections, "acceleration")
-        order, back = [fmu.states.index(name) for name in names], [names.index(name) for name in fmu.states]
-        for at, inputs in points(fmu.start, fmu.states):
-            f, h = closed_form(at[order], inputs)
-            df, dh = complex_step(at[order], inputs)
-            for own, expected in ((fmu.derivative(at, inputs), f[back]), (fmu.output(at, inputs), h)):
-                np.testing.assert_allclose(own, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
+        assert fmu.inputs == (*(f"cylinder_pressure[{i}]" for i in of_groups), "track_force")
+        assert fmu.outputs == ("speed", *wheel_speeds, *(f"deflection[{i}]" for i in wheelsets), "acceleration")
+        back = [names.index(each) for each in fmu.states]
+        for share in (3.0, 1.0, 0.3, 0.05):  # of 20 m/s
+            x = rng.uniform(0.5, 1.5, len(names)) * typical * np.where(np.arange(len(names)) < 5, share, 1.0)
+            u = np.array([*rng.uniform(0.5e5, 3.4e5, size=4), rng.normal(scale=5e3)])
+            at, (f, h), (df, dh) = x[back], closed_form(x, u), complex_step(x, u)
             for own, expected in (
-                (fmu.derivative_jacobian(at, inputs), df[back][:, back]),
-                (fmu.output_jacobian(at, inputs), dh[:, back]),
+                (fmu.derivative(at, u), f[back]),
+                (fmu.output(at, u), h),
+                (fmu.derivative_jacobian(at, u), df[back][:, back]),
+                (fmu.output_jacobian(at, u), dh[:, back]),
             ):
-                atol = of_the_largest * np.abs(expected).max()
-                np.testing.assert_allclose(own, expected, rtol=relative, atol=atol)
+                np.testing.assert_allclose(own, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
