@@ -19,6 +19,10 @@ class Done:
     out: str
     err: str
 
+    def refuses(self, sentence: str) -> bool:
+        """Return whether the command has refused a wrong input with this sentence."""
+        return self.code == 2 and sentence in self.err
+
 
 def ran(command: Sequence[object], folder: Path | None = None, **variables: str) -> "subprocess.CompletedProcess[str]":
     """Run a program in a folder until it ends, with these environment variables in addition to the present ones."""

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
@@ -12,7 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from command_line import ran
 from one_process import Here
+from users_parts import Drag, Exact, Hold
 
 import railgrip as rg
 from railgrip.base.errors import ScenarioError
@@ -39,23 +40,9 @@ class BangBang:
         return np.where(observation.slip < self.level, self.p_max, 0.0)
 
 
-class Drag:
-    provides = ("adhesion",)
-
-    def start(self, first, formation):
-        self.n = formation.groups
-
-    def step(self, observation):
-        return rg.Estimate(adhesion=np.full(self.n, -observation.acceleration / 9.81))
-
-
-class Gps:
-    def start(self, formation, random):
-        self.random = random
-
+class Gps(Exact):
     def read(self, time, truth):
-        readings = {name: truth[name] for name in ("wheelset_speed", "acceleration", "cylinder_pressure")}
-        return readings | {"speed": truth["speed"] + 0.01 * self.random.standard_normal()}
+        return super().read(time, truth) | {"speed": truth["speed"] + 0.01 * self.random.standard_normal()}
 
 
 def test_every_name_of_the_interface_exists():
@@ -168,13 +155,6 @@ def test_an_error_in_a_part_is_an_outcome_with_a_sentence(scenario, place, funct
     assert part != "controller" or stop.reason.endswith("At 0.000 s.")
 
 
-def test_a_class_of_no_known_kind_is_refused(scenario):
-    with pytest.raises(ScenarioError, match="object: has no method start and decide"):
-        rg.run(scenario, controller=object)
-    with pytest.raises(ScenarioError, match="`provides` is 'adhesion'"):
-        rg.run(scenario, controller=BangBang, estimator=type("Mine", (Drag,), {"provides": "adhesion"}))
-
-
 def test_noise_of_own_sensors_depends_on_the_seed(scenario):
     one, same, other = (
         rg.run(scenario.changed({"seed": seed}), controller=BangBang, sensors=Gps).trace["reading_speed"].values
@@ -193,14 +173,7 @@ def test_the_demand_is_recorded_with_units(scenario):
 
 
 def test_a_stop_stepped_by_hand_equals_that_of_the_loop(scenario):
-    class Full:
-        def start(self, formation):
-            pass
-
-        def decide(self, observation):
-            return np.full(4, 2e5)
-
-    ours = rg.run(scenario, controller=Full)
+    ours = rg.run(scenario, controller=type("Full", (Hold,), {"decide": lambda self, observation: np.full(4, 2e5)}))
     with rg.open(scenario) as bench:
         with pytest.raises(ScenarioError, match=r"formation is known after reset\(\)"):
             _ = bench.formation
@@ -302,16 +275,12 @@ def test_a_scenario_may_name_a_class(scenario, tmp_path):
 
 def test_the_current_folder_runs_no_code_by_itself(tmp_path):
     (tmp_path / "trap.py").write_text("open('sprung', 'w')\nclass Law:\n    pass\n")
-    set_ = ["--set", "controller.kind=trap:Law", "--set", "limits.horizon=0.1 s"]
-    command = [sys.executable, "-m", "railgrip", "run", "trapezoid", *set_]
-    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    words = ["-m", "railgrip", "run", "trapezoid", "--set", "controller.kind=trap:Law"]
+    result = ran([sys.executable, *words], tmp_path)
     assert result.returncode == 2
     assert "the module trap cannot be imported" in result.stderr
     assert "--import-from DIR" in result.stderr
     assert not (tmp_path / "sprung").exists()
-    result = subprocess.run([*command, "--import-from", "."], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert (tmp_path / "sprung").exists()
-    assert "Law: has no method start and decide" in result.stderr
 
 
 def test_an_estimate_of_a_recording():
@@ -350,40 +319,6 @@ def test_a_plant_in_python_brakes_according_to_its_equation(scenario, tmp_path):
     content = json.loads((tmp_path / "stop.json").read_text())
     assert content["classes"]["plant"]["class"] == content["scenario"]["vehicle"]["plant"] == f"{__name__}:Rolling"
     assert "TwoPartTrain.fmu" not in content["fmus"]
-
-
-class Slippery:
-    """A plant that responds only to friction: its adhesion is `factor` times that of the rail."""
-
-    def __init__(self, factor):
-        self.train, self.factor = rolling()(), factor
-
-    def start(self, formation, speed, period):
-        return self.train.start(formation, speed, period)
-
-    def step(self, inputs):
-        return self.train.step(inputs | {"mu0": self.factor(inputs["mu0"])})
-
-
-def test_a_plant_in_python_on_which_friction_has_no_effect_is_refused(scenario):
-    """It would stop in the same distance on any rail."""
-    deaf = Slippery(lambda friction: np.full_like(friction, 0.9))
-    with pytest.raises(
-        rg.RailgripError, match=r"'mu0' does not bound the brakes: .* 2\.\d+ m/s2 with friction of 0\.4 and"
-    ):
-        rg.run(scenario, controller=BangBang, plant=deaf)
-
-
-@pytest.mark.parametrize(("factor", "outcome"), [(1.0, "standstill"), (1.1, "implausible"), (1.3, "implausible")])
-def test_a_stop_with_more_friction_than_the_rail_has_is_implausible(scenario, factor, outcome):
-    """The trial on two rails does not find it, because friction still has an effect; 10 % exceeds the resistance."""
-    poor = scenario.changed(
-        {"controller.kind": "full_brake", "limits.horizon": "200 s", "adhesion": {"kind": "constant", "polach": "dry",
-         "mu0": 0.1}, "start.speed": "72 km/h", "estimator": {"kind": "none"}}
-    )  # fmt: skip
-    stop = rg.run(poor, plant=Slippery(lambda friction: factor * friction))
-    assert stop.outcome.value == outcome
-    assert np.isnan(stop.metrics.distance) == (outcome != "standstill")
 
 
 def test_a_plant_may_be_named_and_have_a_separate_formation(scenario, tmp_path):

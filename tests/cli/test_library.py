@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-import pytest
+from users_parts import install_part
 
 import railgrip as rg
 from railgrip.base import registry
@@ -26,10 +26,7 @@ def test_list_prints_every_name_of_every_kind_with_a_description(railgrip):
 
 def test_an_installed_part_is_listed(railgrip, tmp_path_factory, monkeypatch):
     folder = tmp_path_factory.mktemp("site")
-    package = folder / "mine-1.0.dist-info"
-    package.mkdir()
-    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
-    (package / "entry_points.txt").write_text("[railgrip.controllers]\nmine = laws:Hold\n")
+    install_part(folder, "controllers", "laws:Hold")
     monkeypatch.syspath_prepend(folder)
     registry.installed_names.cache_clear()
     try:
@@ -52,19 +49,6 @@ def test_a_campaign_names_scenarios_and_equipment_of_the_library(railgrip, proje
     result = railgrip("campaign", "both.toml")
     assert "both.toml: [axes.equipment] valves: servce: there is no such file, and no set of equipment" in result.err
     assert "did you mean service?" in result.err
-
-
-@pytest.mark.parametrize(
-    ("parts", "sentence"),
-    [
-        ({"controller": "slip_two_stat"}, r"\[controller\] kind is 'slip_two_stat'; .* did you mean slip_two_state\?"),
-        ({"estimator": "pyton"}, r"\[estimator\] kind is 'pyton'; there is .*; did you mean python\?"),
-        ({"controller": {"kind": "slip_two_state", "tuning": "own"}}, r"\[controller\] tuning is 'own'"),
-    ],
-)
-def test_python_accepts_names_of_parts_and_refuses_others(parts, sentence):
-    with pytest.raises(rg.RailgripError, match=sentence):
-        rg.run("trapezoid", **parts)
 
 
 def test_a_part_by_name_equals_the_scenario_with_that_kind():
