@@ -112,8 +112,7 @@ def test_existing_files_are_not_overwritten(railgrip, folder, kind):
     file = "mine.py" if kind in ("controller", "estimator") else "mine.toml"
     (folder / file).write_text("here before", encoding="utf-8")
     (folder / f"{kind}.schema.json").write_text("here before", encoding="utf-8")
-    result = railgrip("new", kind, file)
-    assert (result.code, f"{file} exists; choose another file" in result.err) == (2, True)
+    assert railgrip("new", kind, file).refuses(f"{file} exists; choose another file")
     assert railgrip("new", kind, f"other_{file}").code == 0
     assert (folder / file).read_text(encoding="utf-8") == "here before"
     assert (folder / f"{kind}.schema.json").read_text(encoding="utf-8") == "here before"

@@ -23,8 +23,7 @@ def follow(railgrip, text, before):
 def test_commands_lead_from_an_empty_folder_to_kept_distances(railgrip, project, monkeypatch, file):
     (project / "empty").mkdir()
     monkeypatch.chdir(project / "empty")
-    nothing = railgrip("maintain", "regress")
-    assert (nothing.code, "`railgrip new regression stops.toml`" in nothing.err) == (2, True)
+    assert railgrip("maintain", "regress").refuses("`railgrip new regression stops.toml`")
     begun = railgrip("new", "regression", file, "--workflow")
     new = follow(railgrip, begun.out, "continue with")
     assert (new.code, "stops.toml: 2 of 2 stops deviate" in new.err) == (3, True)
@@ -80,8 +79,7 @@ def test_a_comparison_of_nothing_is_an_error_and_never_a_green_report(
     file = project / "base lines" / "pair.toml"
     text = file.read_text(encoding="utf-8").partition("\n[accepted")[0]
     file.write_text(change if options else text + "\n" + change, encoding="utf-8")
-    result = railgrip("maintain", "regress", *where, *options, "--junit", "regress.xml")
-    assert (result.code, sentence in result.err) == (2, True), result.err
+    assert railgrip("maintain", "regress", *where, *options, "--junit", "regress.xml").refuses(sentence)
     assert ElementTree.parse(project / "regress.xml").find("testsuite/testcase/failure") is not None
 
 
@@ -100,8 +98,7 @@ def test_a_stop_that_fails_is_red_and_not_to_be_accepted(railgrip, project, wher
 
 def test_acceptance_without_results_names_the_command_that_makes_them(railgrip, where):
     result = railgrip("maintain", "accept", "--reason", "R.", *where[:2], "--out", "nowhere")
-    assert result.code == 2
-    assert "nowhere/pair: there are no results of pair.toml; run `railgrip maintain regress`" in result.err
+    assert result.refuses("nowhere/pair: there are no results of pair.toml; run `railgrip maintain regress`")
 
 
 @pytest.mark.parametrize(
