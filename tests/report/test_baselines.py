@@ -67,13 +67,6 @@ def states(comparisons):
     return {comparison.name: comparison.state for comparison in comparisons}
 
 
-def test_distances_beyond_their_tolerance_and_missing_stops_are_reported(results):
-    moved, kept = metres(distance(results, SBC) + 0.6), metres(distance(results, FULL) - 0.49)
-    comparisons = compare(baseline(sbc=moved, full=kept, gone=metres(100, 1)), findings_of(results))
-    assert states(comparisons) == {SBC: "moved", FULL: "kept", "gone": "gone"}
-    assert next(c.change for c in comparisons if c.name == SBC) == pytest.approx(-0.6)
-
-
 def test_accepting_changes_only_what_moved_and_keeps_the_relative_tolerance(results):
     moved_distance = distance(results, SBC)
     kept = metres(distance(results, FULL) + 0.1)
@@ -89,12 +82,6 @@ def test_accepting_changes_only_what_moved_and_keeps_the_relative_tolerance(resu
 def test_a_new_stop_gets_the_tolerance_of_arithmetic(results):
     after = accept(Baseline(campaign="c"), findings_of(results), "New.")
     assert after.accepted[SBC].tolerance == pytest.approx(1e-3 * distance(results, SBC), rel=0.05)
-
-
-@pytest.mark.parametrize("reason", ["", "  "])
-def test_nothing_is_accepted_without_a_reason(results, reason):
-    with pytest.raises(ScenarioError, match="--reason is empty"):
-        accept(Baseline(campaign="c"), findings_of(results), reason)
 
 
 def test_a_stop_without_standstill_cannot_be_accepted(results):
@@ -171,9 +158,8 @@ def test_the_value_of_another_compiler_is_kept_when_the_distance_moves(tmp_path)
 
 
 def test_distances_of_the_built_in_compiler_are_not_those_of_another(written, capfd):
-    ended = done(capfd, "tools", "validation", "--openmodelica", written.parent)
-    assert ended.code == 2
-    assert "are those of the built-in compiler; run `make regress-omc`" in ended.err
+    result = done(capfd, "tools", "validation", "--openmodelica", written.parent)
+    assert result.refuses("are those of the built-in compiler; run `make regress-omc`")
 
 
 def test_distances_of_another_compiler_are_added_to_the_baseline(results):

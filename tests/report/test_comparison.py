@@ -2,7 +2,6 @@
 
 import json
 import math
-import sys
 from dataclasses import replace
 
 import pandas
@@ -188,17 +187,7 @@ def test_the_command_prints_tables_or_json_and_writes_a_page(slip, adhesion, tmp
     assert content["results"] == {"A": "runs/a", "B": "runs/b"}
     assert content == json.loads((tmp_path / "build/compare/a-b/comparison.json").read_text(encoding="utf-8"))
     assert {row["figure"]: row["unit"] for row in content["answer"]}["distance"] == "m"
-    refused = command("compare", "runs/a", "runs/b", "--out", "runs/a")
-    assert (refused.code, "runs/a: holds a result with its own page" in refused.err) == (2, True)
-
-
-def test_comparing_loads_matplotlib_only_for_drawing(slip, adhesion, monkeypatch):
-    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    for name in ("figures", "campaign_figures"):
-        monkeypatch.delitem(sys.modules, f"railgrip.report.{name}", raising=False)
-    comparison = compare(slip, adhesion)
-    with pytest.raises(ImportError):
-        comparison.plot()
+    assert command("compare", "runs/a", "runs/b", "--out", "runs/a").refuses("runs/a: holds a result with its own page")
 
 
 def test_keys_of_lists_of_tables_are_counted_from_1():

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +14,10 @@ from railgrip.campaign.sweep import Result, Sweep
 from railgrip.report.estimates import Estimates, as_estimates
 
 
-def sweep(axes=None):
-    axes = axes or {"start.speed": (10.0, 20.0, 30.0), "controller.kind": ("full_brake", "adhesion_based")}
-    results = []
-    for speed in axes["start.speed"]:
-        for kind in axes["controller.kind"]:
-            one = stop(f"start.speed={speed} m/s", f"controller.kind={kind}")
-            results.append(Result(one.outcome.value, one.reason, one.metrics))
-    return Sweep(axes, tuple(results))
+def sweep():
+    axes = {"start.speed": (10.0, 20.0, 30.0), "controller.kind": ("full_brake", "adhesion_based")}
+    stops = (stop(f"start.speed={speed} m/s", f"controller.kind={kind}") for speed, kind in product(*axes.values()))
+    return Sweep(axes, tuple(Result(one.outcome.value, one.reason, one.metrics) for one in stops))
 
 
 def estimates():
@@ -87,7 +84,8 @@ def test_nothing_is_drawn_unless_requested():
     program = (
         "import sys; sys.path.insert(0, 'tests/report'); sys.path.insert(0, 'tests')\n"
         "import test_in_short as own\n"
-        "for value in (own.stop(), own.sweep(), own.estimates()):\n"
+        "import railgrip\n"
+        "for value in (own.stop(), own.sweep(), own.estimates(), railgrip.compare(own.stop(), own.stop('seed=3'))):\n"
         "    repr(value), value._repr_html_()\n"
         "assert not any(name.startswith('matplotlib') for name in sys.modules), 'matplotlib was loaded'\n"
         "own.stop().plot()\n"
