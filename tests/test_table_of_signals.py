@@ -1,6 +1,5 @@
 """The table of signals defines the header in C, the observation of a law and the reference page."""
 
-import io
 import runpy
 from pathlib import Path
 
@@ -42,22 +41,15 @@ def test_a_law_without_inputs_is_refused():
         law("Half", "", 4, lambda draft, parameters, train: [group.lining_wear for group in train])
 
 
-def test_a_new_row_is_on_the_reference_page(monkeypatch):
-    pages = {}
+def test_a_new_row_is_on_the_reference_page(monkeypatch, tmp_path):
+    def create(name, mode):
+        return (tmp_path / Path(name).name).open(mode, encoding="utf-8")
 
-    class Page(io.StringIO):
-        def __init__(self, name, _):
-            super().__init__()
-            self.name = name
-
-        def close(self):
-            pages[self.name] = self.getvalue()
-            super().close()
-
-    monkeypatch.setattr(mkdocs_gen_files, "open", Page)
+    monkeypatch.setattr(mkdocs_gen_files, "open", create)
     monkeypatch.setattr(signals, "OBSERVATION", EXTENDED)
     runpy.run_path(str(Path(__file__).parents[1] / "docs/generate.py"))
-    assert "| `lining_wear` | group | m | wear of the brake linings |" in pages["reference/signals.md"]
+    page = (tmp_path / "signals.md").read_text(encoding="utf-8")
+    assert "| `lining_wear` | group | m | wear of the brake linings |" in page
 
 
 def test_a_law_with_swapped_inputs_is_refused():

@@ -6,6 +6,7 @@ ten of every mistake.
 """
 
 import warnings
+from operator import add, mul
 from pathlib import Path
 
 import numpy as np
@@ -204,24 +205,26 @@ def test_a_recording_that_begins_inside_a_braking_covers_the_truth(stops, start)
 
 WHEELS = [name for name in COLUMNS if name.startswith("wheelset")]
 PRESSURES = [name for name in COLUMNS if name.startswith("cylinder")]
+NOTHING = st.none()
 
 
-def scaled(names, low, high=None):
-    """Return a mistake that multiplies columns by a number between two, either of them if there is a list."""
+def on(names, function, numbers=NOTHING):
+    """Return a mistake that changes columns by a function of a column and a drawn number."""
 
     def change(table, draw):
-        factor = draw(st.sampled_from(low) if isinstance(low, list) else st.floats(low, high))
-        return table.assign(**{name: factor * table[name] for name in names}), {}
+        number = draw(numbers)
+        return table.assign(**{name: function(table[name], number) for name in names}), {}
 
     return change
 
 
-def shifted(names, low, high):
-    def change(table, draw):
-        offset = draw(st.floats(low, high))
-        return table.assign(**{name: table[name] + offset for name in names}), {}
+def scaled(names, factors):
+    return on(names, mul, st.sampled_from(factors))
 
-    return change
+
+def hhmmss(time, hours):
+    seconds = time + 3600 * hours + 55.0
+    return np.floor(seconds / 3600) * 1e4 + np.floor(seconds % 3600 / 60) * 100 + seconds % 60
 
 
 def late(names, low, high, signs=(1.0,)):
@@ -249,10 +252,6 @@ def swapped(first, second):
     return lambda table, draw: (table.assign(**{first: table[second], second: table[first]}), {})
 
 
-def of_time(change):
-    return lambda table, draw: (table.assign(t=change(table["t"].to_numpy(), draw)), {})
-
-
 def clock_text(form, begin):
     """Return a clock as text; the second half of the recording is after midnight or the change of the hour."""
 
@@ -264,11 +263,6 @@ def clock_text(form, begin):
     return change
 
 
-def hhmmss(time, draw):
-    seconds = time + 3600 * draw(st.integers(0, 20)) + 55.0
-    return np.floor(seconds / 3600) * 1e4 + np.floor(seconds % 3600 / 60) * 100 + seconds % 60
-
-
 MISTAKES = {
     "unit of speed": with_unit(["speed"], ["km/h", "mph", "knot"]),
     "unit of wheelset speeds": with_unit(WHEELS, ["rev/min", "deg/s", "rev/s"]),
@@ -278,9 +272,9 @@ MISTAKES = {
     "sign of wheelset speeds": scaled(WHEELS, [-1.0]),
     "sign of pressures": scaled(PRESSURES, [-1.0]),
     "sign of acceleration": scaled(["acceleration"], [-1.0]),
-    "absolute pressures": shifted(PRESSURES, 0.95, 1.03),
-    "offset of pressures": shifted(PRESSURES, 0.35, 0.9),
-    "offset of the accelerometer": shifted(["acceleration"], 0.5, 2.0),
+    "absolute pressures": on(PRESSURES, add, st.floats(0.95, 1.03)),
+    "offset of pressures": on(PRESSURES, add, st.floats(0.35, 0.9)),
+    "offset of the accelerometer": on(["acceleration"], add, st.floats(0.5, 2.0)),
     "half or double wheelset speeds": scaled(WHEELS, [0.5, 2.0]),
     "wheel diameter as radius": lambda table, draw: (table, {"model.parameters": {"r_wheel": "0.76 m"}}),
     "pressures ten times off": scaled(PRESSURES, [0.1, 10.0]),
@@ -294,17 +288,19 @@ MISTAKES = {
     "speed and a wheelset swapped": swapped("speed", "wheelset_speed[1]"),
     "speed and acceleration swapped": swapped("speed", "acceleration"),
     "pressure and wheelset swapped": swapped("cylinder_pressure[2]", "wheelset_speed[2]"),
-    "milliseconds as seconds": of_time(lambda time, draw: 1e3 * time),
+    "milliseconds as seconds": scaled(["t"], [1e3]),
     "seconds as milliseconds": lambda table, draw: (table, {"data.time": {"column": "t", "unit": "ms"}}),
-    "origin of the clock": of_time(lambda time, draw: time + draw(st.sampled_from([1.7e9, 1e5]))),
+    "origin of the clock": on(["t"], add, st.sampled_from([1.7e9, 1e5])),
     "rows reversed": lambda table, draw: (table.iloc[::-1], {}),
     "rows shuffled": lambda table, draw: (table.sample(frac=1.0, random_state=1), {}),
-    "stamps cut to seconds": of_time(lambda time, draw: np.floor(time)),
-    "hhmmss as seconds": of_time(hhmmss),
+    "stamps cut to seconds": on(["t"], lambda time, _: np.floor(time)),
+    "hhmmss as seconds": on(["t"], hhmmss, st.integers(0, 20)),
     "midnight": clock_text("%H:%M:%S.%f", "2025-03-04 23:00"),
     "daylight saving": clock_text("%Y-%m-%d %H:%M:%S.%f", "2025-10-26 01:00"),
     "day and month": clock_text("%d/%m/%Y %H:%M:%S.%f", "2025-01-04 23:00"),
-    "counter of 32 bits": of_time(lambda time, draw: (time + 2**32 * 1e-6 - time[time.size // 2]) % (2**32 * 1e-6)),
+    "counter of 32 bits": on(
+        ["t"], lambda time, _: (time + 2**32 * 1e-6 - time.iloc[time.size // 2]) % (2**32 * 1e-6)
+    ),
     "every row twice": lambda table, draw: (table.loc[table.index.repeat(2)], {}),
     "missing samples as zero": lambda table, draw: (
         table.assign(speed=table["speed"].where(np.random.default_rng(3).random(len(table)) > 0.02, 0.0)), {}
