@@ -62,12 +62,8 @@ curves = {line: curve["adhesion"].to_numpy() for line, curve in curves.groupby([
 in_words = {scenario: scenario.replace("_", " ") for scenario in SCENARIOS}
 
 
-def signed(change):
-    return f"{100 * change:+.1f} %".replace("-", "−")
-
-
-def by_span(row, form="{:.0f} %"):
-    return " / ".join(form.format(100 * getattr(row, f"used_{span}")) for span in SPANS)
+def by_span(row):
+    return " / ".join(f"{100 * getattr(row, f'used_{span}'):.0f} %" for span in SPANS)
 
 
 # %%
@@ -88,7 +84,7 @@ for law in (SBC, ABC):
         spread = (
             f"{found['distance'].min():.1f} – {found['distance'].max():.1f} m, longest lock {found['lock'].max():.1f} s"
         )
-        difference = "*chosen*" if law == SBC else f"{signed(ours / paper - 1)}, fitted; {spread}"
+        difference = "*chosen*" if law == SBC else f"{percent(ours / paper - 1)}, fitted; {spread}"
         name = f"{LAWS[law]}, {in_words[scenario]}, identified level"
         compared.append(f"Table 1 | {name} | {paper:.1f} m | {ours:.1f} m | {difference}")
 compared.append(
@@ -356,7 +352,7 @@ table[f"a wheelset locks above {table1.LOCK_SPEED:g} m/s for longer than {table1
 ]
 for law, name in ((SBC, "slip-based"), (ABC, "ABC (paper)")):
     table[f"difference, {name}"] = [
-        signed(medians["identified", law, scenario] / table1.PUBLISHED[scenario, law] - 1) for scenario in SCENARIOS
+        percent(medians["identified", law, scenario] / table1.PUBLISHED[scenario, law] - 1) for scenario in SCENARIOS
     ]
 rg.table(pd.DataFrame(table, index=in_words.values()).T.reset_index(names=""), left=[""])
 

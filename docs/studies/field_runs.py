@@ -4,16 +4,16 @@ Drawings have marks where the text of the paper has numbers.
 """
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pymap3d
 import xarray
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
+from schematics import arrow
 from scipy.ndimage import uniform_filter1d
 
 from railgrip.estimation.field_test.filtering import (
@@ -245,10 +245,11 @@ def train_figure() -> Figure:
         fontsize=7,
         color=palette.GREY,
     )
-    middle = train.length / 2
-    _arrow(chart, (middle + 4, 4.8), (middle - 4, 4.8), palette.BLUE, "speed $v_x$", (middle + 4.4, 4.8))
-    _arrow(chart, (1.0, 1.9), (6.0, 1.9), palette.VERMILION, "drag $F_{DR}$", (1.2, 2.7))
-    _arrow(chart, (36.0, 1.9), (40.5, 1.9), palette.VERMILION, "track $F_{TR}$", (35.5, 2.7))
+    mark = partial(arrow, chart, ha="left", fontsize=8, lw=1.0)
+    middle, red = train.length / 2, palette.VERMILION
+    mark((middle + 4, 4.8), (middle - 4, 4.8), "speed $v_x$", (middle + 4.4, 4.8), palette.BLUE)
+    mark((1.0, 1.9), (6.0, 1.9), "drag $F_{DR}$", (1.2, 2.7), red)
+    mark((36.0, 1.9), (40.5, 1.9), "track $F_{TR}$", (35.5, 2.7), red)
     for number, members in enumerate(train.groups, start=1):
         place = float(np.mean([train.axles[index].position for index in members]))
         chart.text(place, -3.3, f"$\\omega_{number}$", color=palette.BLUE, ha="center", va="center", fontsize=9)
@@ -258,30 +259,15 @@ def train_figure() -> Figure:
     chart.add_patch(Circle((x, y), 0.6 * radius, facecolor="#E6E6E6", edgecolor=palette.GREY))
     chart.add_patch(Rectangle((x - 0.8, y + 0.45 * radius), 1.6, 0.8, color=palette.GREY))
     chart.text(x - 4.6, y, "wheelset $i$", ha="right", va="center", fontsize=9)
-    _arrow(chart, (x, y + 0.55 * radius), (x + 5.5, y + 0.55 * radius), palette.VERMILION,
-           "brake $F_{B,i}$ of each unit at $r_B$", (x + 5.8, y + 0.55 * radius))  # fmt: skip
-    _arrow(chart, (x, y - radius), (x + 5.5, y - radius), palette.VERMILION, "creep force $2F_{x,i}$",
-           (x + 5.8, y - radius + 0.7))  # fmt: skip
-    _arrow(chart, (x, y), (x, y - 0.8 * radius), palette.VERMILION, "$F_{z,i}$", (x + 0.3, y - 0.3 * radius))
-    _arrow(chart, (x + 3.7, y - 0.6), (x + 3.3, y + 1.4), palette.VERMILION,
-           "resistance and traction $M_{W,i}$", (x + 4.2, y))  # fmt: skip
-    _arrow(chart, (x + 0.6, y + 1.14 * radius), (x - 2.9, y + 0.7 * radius), palette.BLUE, "rotation $\\omega_i$",
-           (x + 0.9, y + 1.14 * radius), bend=0.3)  # fmt: skip
+    high, low = y + 0.55 * radius, y - radius
+    mark((x, high), (x + 5.5, high), "brake $F_{B,i}$ of each unit at $r_B$", (x + 5.8, high), red)
+    mark((x, low), (x + 5.5, low), "creep force $2F_{x,i}$", (x + 5.8, low + 0.7), red)
+    mark((x, y), (x, y - 0.8 * radius), "$F_{z,i}$", (x + 0.3, y - 0.3 * radius), red)
+    mark((x + 3.7, y - 0.6), (x + 3.3, y + 1.4), "resistance and traction $M_{W,i}$", (x + 4.2, y), red)
+    top = y + 1.14 * radius
+    begin, end = (x + 0.6, top), (x - 2.9, y + 0.7 * radius)
+    mark(begin, end, "rotation $\\omega_i$", (x + 0.9, top), palette.BLUE, connectionstyle="arc3,rad=0.3")
     return drawing
-
-
-def _arrow(
-    chart: Axes,
-    begin: tuple[float, float],
-    end: tuple[float, float],
-    colour: str,
-    words: str,
-    place: tuple[float, float],
-    bend: float = 0.0,
-) -> None:
-    shape = {"arrowstyle": "-|>", "color": colour, "connectionstyle": f"arc3,rad={bend}", "shrinkA": 0, "shrinkB": 0}
-    chart.annotate("", end, begin, arrowprops=shape)
-    chart.text(*place, words, color=colour, va="center", fontsize=8)
 
 
 def track_figure(run: FieldRun) -> Figure:

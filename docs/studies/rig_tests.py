@@ -11,7 +11,7 @@ import xarray
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 from numpy.typing import NDArray
-from schematics import arrow, canvas, dimension
+from schematics import arrow, canvas
 from scipy.ndimage import uniform_filter1d
 
 from railgrip.estimation import roller_rig as rig
@@ -260,8 +260,9 @@ def wagon_figure() -> Figure:
         axes.annotate("", (x + 0.75, 1.55), (x + 0.1, 2.0), arrowprops={
             "arrowstyle": "-|>", "connectionstyle": "arc3,rad=-0.3", "color": palette.BLACK, "lw": 1.2})  # fmt: skip
         axes.text(x + 0.62, 1.88, f"$\\omega_{name}$, $M_{{W,{name}}}$", fontsize=9)
-    dimension(axes, (2.1, 0.3), (5.9, 0.3), "$a$", (0.0, -0.13))
-    dimension(axes, (3.6, 0.5), (3.6, 2.6), "$h$", (-0.15, 0.0))
+    dimension = {"color": palette.GREY, "arrowstyle": "<->", "lw": 0.9}
+    arrow(axes, (2.1, 0.3), (5.9, 0.3), "$a$", (4.0, 0.17), **dimension)
+    arrow(axes, (3.6, 0.5), (3.6, 2.6), "$h$", (3.45, 1.55), **dimension)
     return drawing
 
 

@@ -1,5 +1,7 @@
 """Schematic drawings: bodies with their forces."""
 
+from typing import Any
+
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -18,27 +20,10 @@ def canvas(width: float, height: float) -> tuple[Figure, Axes]:
     return drawing, axes
 
 
-def arrow(
-    axes: Axes,
-    begin: Point,
-    end: Point,
-    label: str = "",
-    at: Point | None = None,
-    color: str = palette.BLACK,
-    ha: str = "center",
-) -> None:
-    """Draw an arrow with a label at a point, in the middle unless given."""
-    axes.annotate(
-        "", end, begin, arrowprops={"arrowstyle": "-|>", "color": color, "lw": 1.3, "shrinkA": 0, "shrinkB": 0}
-    )
+def arrow(axes: Axes, begin: Point, end: Point, label: str = "", at: Point | None = None, color: str = palette.BLACK,
+          ha: str = "center", fontsize: float = 9, **shape: Any) -> None:  # fmt: skip
+    """Draw an arrow with a label at a point, in the middle unless given; `shape` changes its `arrowprops`."""
+    look = {"arrowstyle": "-|>", "color": color, "lw": 1.3, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", end, begin, arrowprops=look | shape)
     place = at or ((begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2)
-    axes.text(*place, label, ha=ha, va="center", fontsize=9, color=color)
-
-
-def dimension(axes: Axes, begin: Point, end: Point, label: str, offset: Point) -> None:
-    """Draw a dimension between two points; its label is shifted from the middle."""
-    axes.annotate(
-        "", end, begin, arrowprops={"arrowstyle": "<->", "color": palette.GREY, "lw": 0.9, "shrinkA": 0, "shrinkB": 0}
-    )
-    x, y = (begin[0] + end[0]) / 2 + offset[0], (begin[1] + end[1]) / 2 + offset[1]
-    axes.text(x, y, label, ha="center", va="center", fontsize=9, color=palette.GREY)
+    axes.text(*place, label, ha=ha, va="center", fontsize=fontsize, color=color)
