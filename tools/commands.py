@@ -81,14 +81,13 @@ def validation(
     ] = None,
 ) -> None:
     """Write the accepted distances into the documentation."""
-    if openmodelica is not None:
-        for path in [baselines / f"{name}.toml" for name in TABLES]:
-            found = read_results(openmodelica / path.stem)
-            write_baseline(with_distances(_baseline_of_campaign(path), found), path)
     compared: dict[str, tuple[Campaign, Baseline]] = {}
     for name in TABLES:
         path = baselines / f"{name}.toml"
         accepted = _baseline_of_campaign(path)
+        if openmodelica is not None:
+            accepted = with_distances(accepted, read_results(openmodelica / name))
+            write_baseline(accepted, path)
         compared[name] = load_campaign(path.parent / str(accepted.campaign)), accepted
     figure, numbers = distances_figure(*compared[BASELINE])
     say(str(save(figure, docs / FILE, numbers)))
@@ -107,16 +106,20 @@ def _baseline_of_campaign(path: Path) -> Baseline:
     return accepted
 
 
+Conditioned = Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")]
+Stops = Annotated[
+    str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
+]
+
+
 def conditioning(
-    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")],
+    file: Conditioned,
     repeats: Annotated[int, typer.Option(min=2, max=1000, help="Of each stop.")] = 20,
     relative: Annotated[float, typer.Option(min=1e-15, max=1e-2, help="Largest change of a parameter.")] = 1e-7,
     lots: Annotated[
         int, typer.Option(min=0, max=1000, help="Number of sensor lots, for stops whose sensors have errors.")
     ] = 20,
-    stops: Annotated[
-        str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
-    ] = "*",
+    stops: Stops = "*",
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("build/conditioning"),
     workers: Workers = 2,
     fresh: Fresh = False,
@@ -166,13 +169,11 @@ def conditioning(
 
 
 def discretisation(
-    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")],
+    file: Conditioned,
     repeats: Annotated[
         int, typer.Option(min=1, max=1000, help="Repeats of each stop whose distance depends on rounding.")
     ] = 5,
-    stops: Annotated[
-        str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
-    ] = "*",
+    stops: Stops = "*",
     only: Annotated[Refinement | None, typer.Option(help="Only the steps, or only the tolerances.")] = None,
     workers: Workers = 2,
     fresh: Fresh = False,
@@ -307,18 +308,19 @@ def fmus(
         raise InputError(f"{folder}: contains no file *.fmu, not even in subfolders.")
     out.parent.mkdir(parents=True, exist_ok=True)
     ReportTable.of_frame(rows).write_csv(out)
-    table = survey_table(rows)
-    show_table(table)
-    if write:
-        write_tables(FOREIGN, {"fmus": table})
+    _show(survey_table(rows), FOREIGN if write else None, "fmus")
 
 
 def sizes(write: Annotated[bool, typer.Option("--write", help=f"Write the table into {INSTALL}.")] = False) -> None:
     """Print the sizes of the packages that an installation consists of."""
-    table = sizes_table()
+    _show(sizes_table(), INSTALL if write else None, "sizes")
+
+
+def _show(table: ReportTable, page: Path | None, name: str) -> None:
+    """Show a table, and write it between its marks of a page, if there is one."""
     show_table(table)
-    if write:
-        write_tables(INSTALL, {"sizes": table})
+    if page is not None:
+        write_tables(page, {name: table})
 
 
 def compilers(
@@ -334,9 +336,7 @@ def compilers(
         raise InputError(f"--write: {COMPILERS} has both compilers, but OpenModelica's omc is not on the PATH.")
     with progress("compilers", "building and stepping plants"):
         table = compare(suites, compilers)
-    show_table(table)
-    if write:
-        write_tables(COMPILERS, {"compilers": table})
+    _show(table, COMPILERS if write else None, "compilers")
 
 
 def pages(

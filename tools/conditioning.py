@@ -40,8 +40,8 @@ def repeats_of(stop: PlannedStop, *, count: int, lots: int, relative: float) -> 
     """
     nudges = [Nudge(relative=relative, seed=seed) for seed in range(1, count + 1)]
     sensors = stop.scenario.sensors
-    perturbed = [_with_vehicle(stop, str(nudge.seed), nudge=nudge) for nudge in nudges]
-    return perturbed, [
+    vehicle = stop.scenario.vehicle
+    return [_repeat(stop, str(each.seed), vehicle=vehicle.model_copy(update={"nudge": each})) for each in nudges], [
         _repeat(stop, f"lot-{seed}", sensors=sensors.model_copy(update={"seed": seed}))
         for seed in range(1, lots + 1)
         if isinstance(sensors, SampledSensors)
@@ -141,7 +141,7 @@ def with_refinement(
     Returns:
         Repeats by stop; and for each other stop the reason.
     """
-    values, refine = (DIVISORS, _divide_step) if of == "steps" else (TOLERANCES, _with_tolerance)
+    values = DIVISORS if of == "steps" else TOLERANCES
     cases: list[tuple[str, float, Scenario]] = []
     without: dict[str, str] = {}
     for stop in campaign.stops:
@@ -155,7 +155,7 @@ def with_refinement(
         else:
             seeds = range(1, 1 + (1 if repeated.is_smooth else count))
             cases += [
-                (stop.name, value, refine(stop.scenario, value, Nudge(relative=before.relative, seed=seed)))
+                (stop.name, value, _refine(stop.scenario, of, value, Nudge(relative=before.relative, seed=seed)))
                 for value in values
                 for seed in seeds
             ]
@@ -169,22 +169,14 @@ def with_refinement(
     }, without
 
 
-def _with_tolerance(scenario: Scenario, tolerance: float, nudge: Nudge) -> Scenario:
-    vehicle = scenario.vehicle
-    parameters = {**vehicle.parameters, "_tolerance": Parameter(tolerance)}
-    return scenario.model_copy(
-        update={"vehicle": vehicle.model_copy(update={"nudge": nudge, "parameters": parameters})}
-    )
-
-
-def _divide_step(scenario: Scenario, divisor: float, nudge: Nudge) -> Scenario:
-    periods = scenario.periods.model_copy(update={"communication": scenario.periods.communication / divisor})
-    vehicle = scenario.vehicle.model_copy(update={"nudge": nudge})
+def _refine(scenario: Scenario, of: Refinement, value: float, nudge: Nudge) -> Scenario:
+    periods, parameters = scenario.periods, scenario.vehicle.parameters
+    if of == "steps":
+        periods = periods.model_copy(update={"communication": periods.communication / value})
+    else:
+        parameters = {**parameters, "_tolerance": Parameter(value)}
+    vehicle = scenario.vehicle.model_copy(update={"nudge": nudge, "parameters": parameters})
     return scenario.model_copy(update={"periods": periods, "vehicle": vehicle})
-
-
-def _with_vehicle(stop: PlannedStop, suffix: str, **vehicle: object) -> PlannedStop:
-    return _repeat(stop, suffix, vehicle=stop.scenario.vehicle.model_copy(update=vehicle))
 
 
 def _repeat(stop: PlannedStop, suffix: str, **tables: object) -> PlannedStop:

@@ -130,23 +130,23 @@ def noticed(mutant: Mutant | None, stops: str, *, only_first: bool = False) -> d
     copied(place)
     for edit in mutant.edits if mutant else ():
         edit.apply(place / "sources")
-    environment = _environment(place)
     code = "import json, mutants; print(json.dumps(mutants.regression(mutants.Path({!r}), {!r}, only_first={!r})))"
-    command = [sys.executable, "-c", code.format(str(place), stops, only_first)]
-    done = subprocess.run(
-        command, env=environment, capture_output=True, text=True, encoding="utf-8", cwd=place / "sources", check=False
-    )
+    done = _run_python(place, place / "sources", ["-c", code.format(str(place), stops, only_first)])
     if done.returncode:
         # A copy that does not run yields no verdict on the baselines: the row is wrong.
         raise InputError(f"{name}: {done.stderr[-2000:]}")
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def _environment(place: Path) -> dict[str, str]:
-    """Return the environment of a process that imports a copy; it does not use the user's cache for FMUs."""
+def _run_python(place: Path, folder: Path, arguments: Sequence[str]) -> subprocess.CompletedProcess[str]:
+    """Run a process in a folder that imports a copy; it does not use the user's cache for FMUs."""
     # The tests that are copied import modules in the folder `tests`.
     modules = os.pathsep.join(map(str, (place / "sources", ROOT / "tests", ROOT / "tools")))
-    return os.environ | {"PYTHONPATH": modules, "RAILGRIP_CACHE": str(PLACE / "cache")}
+    environment = os.environ | {"PYTHONPATH": modules, "RAILGRIP_CACHE": str(PLACE / "cache")}
+    command = [sys.executable, *arguments]
+    return subprocess.run(
+        command, env=environment, capture_output=True, text=True, encoding="utf-8", cwd=folder, check=False
+    )
 
 
 def independent_check(mutant: Mutant) -> tuple[str, bool] | None:
@@ -168,10 +168,7 @@ def run_copied_tests(place: Path, arguments: Sequence[str]) -> subprocess.Comple
     """Run pytest with arguments in a copy of tests/modelica next to the sources that `copied` has made."""
     tests = place / "sources/tests/modelica"
     shutil.copytree(ROOT / "tests/modelica", tests, dirs_exist_ok=True)
-    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *arguments]
-    return subprocess.run(
-        command, env=_environment(place), capture_output=True, text=True, encoding="utf-8", cwd=tests, check=False
-    )
+    return _run_python(place, tests, ["-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *arguments])
 
 
 def regression(place: Path, stops: str, *, only_first: bool) -> dict[str, str]:
