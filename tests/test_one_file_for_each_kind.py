@@ -242,7 +242,7 @@ def test_kinds_of_brakes_are_in_plant_calculation_page_check_and_filter(more):
     assert found.dynamic.sum() == pytest.approx(2 * 12e3)
     assert found.rail.sum() - magnets.rail.sum() == pytest.approx(0.6 * 8.0 * 20.0**2)
     stop = mean_stop(train, 50 / 3.6)
-    assert stop.distance < stop.without_dynamic
+    assert stop.distance < stop.distance_without_dynamic
     calculation_page(train, [stop], origin="tram.toml", digest="")
     force = body_force_of(train, 0.02)
     assert [force.call([20.0, 1.0, 1.0, 1.0])[0] for _ in range(500)][-1] == pytest.approx(found.rail.sum(), rel=1e-4)

@@ -59,41 +59,43 @@ class MeanStop:
 
     Attributes:
         speed: Initial speed [m/s].
-        forces: Mean force of the friction brakes at the rim of each axle, shape (axles,) [N].
-        full_forces: The same with full pressure, which dynamic brakes do not relieve.
-        dynamic_forces: The same of the electrodynamic and rotating eddy-current brakes.
-        rail_forces: Mean force of each brake on the rail itself [N].
-        resistance: Mean running resistance [N].
+        distance: v te + v²/(2 a) [m].
         equivalent_time: Σ te F/Σ F over all brakes, with the running resistance in the lower sum [s].
         deceleration: Equivalent deceleration (Σ F)/(mass with rotating parts) [m/s2].
-        distance: v te + v²/(2 a) [m].
+        resistance: Mean running resistance [N].
+        force: Mean force of the friction brakes at the rim of each axle, shape (axles,) [N].
+        force_dynamic: The same of the electrodynamic and rotating eddy-current brakes.
+        force_rail_brakes: Mean force of each brake on the rail itself [N].
         adhesion: Required adhesion of each axle, shape (axles,); coupled axles share their forces.
-        energy, dynamic_energy: Energy that friction and dynamic brakes of each axle take, shape (axles,) [J].
+        energy, energy_dynamic: Energy that friction and dynamic brakes of each axle take, shape (axles,) [J].
+        distance_without_dynamic: Distance by mean values if no electrodynamic or eddy-current brake acts, and friction
+            brakes replace those that relieve them [m]; None for a train without any.
         power: Mean force of the friction brakes of each axle times the initial speed, shape (axles,) [W].
-        without_dynamic: Distance by mean values if no electrodynamic or eddy-current brake acts, and friction brakes
-            replace those that relieve them [m]; None for a train without any.
-        time_steps: The stop by time steps.
         steps: Upper speed, lower speed [m/s] and deceleration with developed brakes [m/s2] of each speed step.
-        percentages: Braked weight percentage as a train and as a single vehicle; None where the source has no values.
+        braked_weight_percentage_train: As a train; None where the source has no values.
+        braked_weight_percentage_vehicle: As a single vehicle; likewise.
+        time_steps: The stop by time steps.
+        full_force: `force` with full pressure, which dynamic brakes do not relieve.
     """
 
     speed: float
-    forces: Vector
-    full_forces: Vector
-    dynamic_forces: Vector
-    rail_forces: Vector
-    resistance: float
+    distance: float
     equivalent_time: float
     deceleration: float
-    distance: float
+    resistance: float
+    force: Vector
+    force_dynamic: Vector
+    force_rail_brakes: Vector
     adhesion: Vector
     energy: Vector
-    dynamic_energy: Vector
+    energy_dynamic: Vector
+    distance_without_dynamic: float | None
     power: Vector
-    without_dynamic: float | None
-    time_steps: HandCalculation
     steps: tuple[tuple[float, float, float], ...]
-    percentages: tuple[float | None, float | None]
+    braked_weight_percentage_train: float | None
+    braked_weight_percentage_vehicle: float | None
+    time_steps: HandCalculation
+    full_force: Vector
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,25 +164,23 @@ def mean_stop(train: Train, speed: float, step: float = 20 / 3.6) -> MeanStop:
     # The running resistance of bearings and rolling acts at the wheels, too, but no standard counts it as adhesion.
     return MeanStop(
         speed=speed,
-        forces=mean.friction,
-        full_forces=full.friction,
-        dynamic_forces=mean.dynamic,
-        rail_forces=mean.rail,
-        resistance=mean.resistance,
+        distance=distance,
         equivalent_time=time,
         deceleration=deceleration,
-        distance=distance,
+        resistance=mean.resistance,
+        force=mean.friction,
+        force_dynamic=mean.dynamic,
+        force_rail_brakes=mean.rail,
         adhesion=shares @ (mean.friction + mean.dynamic - turning * deceleration),
         energy=mean.friction * way,
-        dynamic_energy=mean.dynamic * way,
+        energy_dynamic=mean.dynamic * way,
+        distance_without_dynamic=without,
         power=mean.friction * speed,
-        without_dynamic=without,
-        time_steps=by_hand(train, speed),
         steps=steps,
-        percentages=(
-            braked_weight_percentage(speed, distance, BRAKED_WEIGHT),
-            braked_weight_percentage(speed, distance, BRAKED_WEIGHT_OF_VEHICLES),
-        ),
+        braked_weight_percentage_train=braked_weight_percentage(speed, distance, BRAKED_WEIGHT),
+        braked_weight_percentage_vehicle=braked_weight_percentage(speed, distance, BRAKED_WEIGHT_OF_VEHICLES),
+        time_steps=by_hand(train, speed),
+        full_force=full.friction,
     )
 
 

@@ -7,6 +7,7 @@ from itertools import accumulate, chain
 from pathlib import Path
 from typing import Any, cast
 
+import numpy as np
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -125,7 +126,8 @@ def remarks_on(stops: Sequence[MeanStop]) -> list[str]:
         for stop in stops
         if abs(error := stop.time_steps.distance / stop.distance - 1) > _REMARKED
     ]
-    if empty := [_km_h(stop.speed) for stop in stops if None in stop.percentages]:
+    percentages = [(each.braked_weight_percentage_train, each.braked_weight_percentage_vehicle) for each in stops]
+    if empty := [_km_h(stop.speed) for stop, pair in zip(stops, percentages, strict=True) if None in pair]:
         remarks.append(
             f"Cells of λ are empty from {', '.join(empty)}: UIC 544-1 has no values for this speed, or λ is outside of "
             f"{_RANGES_OF_LAMBDA}."
@@ -143,13 +145,13 @@ def table_of_stops(stops: Sequence[MeanStop]) -> ReportTable:
             "difference": 100 * (stop.time_steps.distance / stop.distance - 1),
             "te": stop.equivalent_time,
             "ae": stop.deceleration,
-            "brakes": float(stop.forces.sum() + stop.dynamic_forces.sum() + stop.rail_forces.sum()) / 1e3,
-            "dynamic": float(stop.dynamic_forces.sum()) / 1e3,
-            "without dynamic": stop.without_dynamic,
+            "brakes": float(stop.force.sum() + stop.force_dynamic.sum() + stop.force_rail_brakes.sum()) / 1e3,
+            "dynamic": float(stop.force_dynamic.sum()) / 1e3,
+            "without dynamic": stop.distance_without_dynamic,
             "resistance": stop.resistance / 1e3,
             "adhesion": float(stop.adhesion.max()),
-            "λ train": stop.percentages[0],
-            "λ vehicle": stop.percentages[1],
+            "λ train": stop.braked_weight_percentage_train,
+            "λ vehicle": stop.braked_weight_percentage_vehicle,
         }
         for stop in stops
     ]
@@ -178,22 +180,12 @@ def plain_calculation(train: Train, stops: Sequence[MeanStop], drawn: Sequence[S
         "response_time_rail_brakes": rail_times.tolist(),
         "stops": [
             {
-                "speed": stop.speed,
-                "distance": stop.distance,
-                "equivalent_time": stop.equivalent_time,
-                "deceleration": stop.deceleration,
-                "resistance": stop.resistance,
-                "force": stop.forces.tolist(),
-                "force_dynamic": stop.dynamic_forces.tolist(),
-                "force_rail_brakes": stop.rail_forces.tolist(),
-                "adhesion": stop.adhesion.tolist(),
-                "energy": stop.energy.tolist(),
-                "energy_dynamic": stop.dynamic_energy.tolist(),
-                "distance_without_dynamic": stop.without_dynamic,
-                "power": stop.power.tolist(),
+                name: value.tolist() if isinstance(value, np.ndarray) else value
+                for name, value in asdict(stop).items()
+                if name != "full_force"
+            }
+            | {
                 "steps": [dict(zip(("from", "to", "deceleration"), step, strict=True)) for step in stop.steps],
-                "braked_weight_percentage_train": stop.percentages[0],
-                "braked_weight_percentage_vehicle": stop.percentages[1],
                 "time_steps": plain_stop(stop.speed, stop.time_steps),
             }
             for stop in stops
@@ -238,8 +230,8 @@ def _axles(train: Train, stop: MeanStop) -> ReportTable:
             "brake": bogie.data.brake,
             "units": round(axle.units),
             "pad force": bogie.brake.full_force / 1e3,
-            "friction": _mean_friction(float(stop.full_forces[number]), axle.units, bogie),
-            "force": float(stop.forces[number]) / 1e3,
+            "friction": _mean_friction(float(stop.full_force[number]), axle.units, bogie),
+            "force": float(stop.force[number]) / 1e3,
             "te": float(times[number]),
             "load": axle.mass / 1e3,
             "adhesion": float(stop.adhesion[number]),
@@ -261,11 +253,11 @@ def _dynamic(train: Train, stop: MeanStop) -> ReportTable:
         {
             "axle": number + 1, "car": train.cars[axle.car].name, "dynamic brake": bogie.data.dynamic_brake,
             "blending": getattr(bogie.dynamic_brake, "blending", None),
-            "force": float(stop.dynamic_forces[number]) / 1e3, "energy": float(stop.dynamic_energy[number]) / 1e6,
+            "force": float(stop.force_dynamic[number]) / 1e3, "energy": float(stop.energy_dynamic[number]) / 1e6,
         }
         for number, axle in enumerate(train.axles)
         for bogie in [train.bogies_in_train[axle.bogie]]
-        if stop.dynamic_forces[number] > 0
+        if stop.force_dynamic[number] > 0
     ]  # fmt: skip
     return ReportTable(rows, {"force": "{:.3f} kN", "energy": "{:.2f} MJ"}, ("car", "dynamic brake", "blending"))
 
@@ -283,7 +275,7 @@ def _rail(train: Train, stop: MeanStop) -> ReportTable:
             "force": force / 1e3, "te": time,
         }
         for (bogie, name, _), force, time in zip(
-            train.rail_brakes, stop.rail_forces.tolist(), times.tolist(), strict=True
+            train.rail_brakes, stop.force_rail_brakes.tolist(), times.tolist(), strict=True
         )
     ]  # fmt: skip
     return ReportTable(rows, {"force": "{:.2f} kN", "te": "{:.2f} s"}, ("car", "bogie", "track brake"))

@@ -44,7 +44,7 @@ def test_mean_values_are_those_of_the_published_calculation(speed, distance):
     """The published distances have one decimal."""
     train = load_train(UNIT)
     stop = mean_stop(train, speed / 3.6)
-    assert stop.forces[[0, 2]] == pytest.approx([16073, 9104], abs=1)
+    assert stop.force[[0, 2]] == pytest.approx([16073, 9104], abs=1)
     assert stop.distance == pytest.approx(distance, abs=0.05)
     # A + 2/3 B v + C v²/2
     v = speed / 3.6
@@ -57,11 +57,11 @@ def test_mean_values_are_those_of_the_published_calculation(speed, distance):
 def test_adhesion_energy_and_power_are_those_of_their_definitions():
     train = load_train(UNIT)
     stop = mean_stop(train, 100 / 3.6)
-    assert stop.adhesion[0] == pytest.approx((stop.forces[0] - 1500 * stop.deceleration) / (15e3 * GRAVITY), rel=1e-9)
+    assert stop.adhesion[0] == pytest.approx((stop.force[0] - 1500 * stop.deceleration) / (15e3 * GRAVITY), rel=1e-9)
     kinetic = (118e3 + 4 * 1500 + 4 * 700) * (100 / 3.6) ** 2 / 2
     braked = stop.distance - stop.speed * stop.equivalent_time
     assert stop.energy.sum() + stop.resistance * braked == pytest.approx(kinetic, rel=1e-6)
-    assert stop.power == pytest.approx(stop.forces * 100 / 3.6)
+    assert stop.power == pytest.approx(stop.force * 100 / 3.6)
 
 
 def test_the_steps_of_the_deceleration_give_the_distance():
@@ -179,7 +179,7 @@ def test_a_wagon_with_cast_iron_blocks_has_its_published_stop_and_braked_weight(
     assert stop.distance == pytest.approx(672.5, rel=0.07)
     holder = 478 / 16
     k = 2.137 - 0.0514 * holder + 8.32e-4 * holder**2 - 6.04e-6 * holder**3
-    assert stop.percentages[1] == pytest.approx((1 + above) * k * 478 / GRAVITY / 90 * 100, rel=0.02)
+    assert stop.braked_weight_percentage_vehicle == pytest.approx((1 + above) * k * 478 / GRAVITY / 90 * 100, rel=0.02)
 
 
 def test_a_wagon_with_blocks_stops_as_by_independent_integration(wagon):
@@ -252,7 +252,7 @@ def test_friction_effects_of_pads_and_the_mean_over_the_distance_agree():
     tables["pads"]["constant"] |= {"speed_effect": 0.2, "speed_nominal": "20 m/s"}
     plain, falling = mean_stop(load_train(UNIT), 30.0), mean_stop(train_of(tables, "unit.toml"), 30.0)
     ratio = np.where(np.arange(8) % 6 < 2, 1.0, 0.27 / 0.445)  # pads slide slower than the train by r/R
-    assert falling.forces / plain.forces == pytest.approx(1 + 0.2 * (1 - 2 / 3 * 30 * ratio / 20), rel=1e-9)
+    assert falling.force / plain.force == pytest.approx(1 + 0.2 * (1 - 2 / 3 * 30 * ratio / 20), rel=1e-9)
 
 
 def shunting_tables(position):

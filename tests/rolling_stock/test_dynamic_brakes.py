@@ -64,7 +64,7 @@ def test_a_blended_stop_has_the_deceleration_of_the_friction_brake(electric, ble
     assert with_it.distance == pytest.approx(without.distance, rel=1e-9)
     assert with_it.equivalent_time == pytest.approx(without.equivalent_time, rel=1e-6)
     mean = mean_stop(train, SPEED)
-    assert mean.without_dynamic == pytest.approx(mean.distance, rel=1e-12)
+    assert mean.distance_without_dynamic == pytest.approx(mean.distance, rel=1e-12)
     assert without.dynamic_energy == 0
     assert with_it.dynamic_energy > 10e6
 
@@ -73,7 +73,7 @@ def test_the_energies_of_both_brakes_are_the_integrals_of_their_forces(electric)
     """Developed forces over distance at constant friction: 0.5 v² F/(a v) and the electric part of it."""
     train = with_brake(electric)
     mean = mean_stop(train, SPEED)
-    total = float(mean.forces.sum() + mean.dynamic_forces.sum())
+    total = float(mean.force.sum() + mean.force_dynamic.sum())
     cap = 4 * 12e3  # four driven axles
 
     def electric_force(v):
@@ -81,10 +81,10 @@ def test_the_energies_of_both_brakes_are_the_integrals_of_their_forces(electric)
 
     work, _ = quad(lambda v: v * electric_force(v), 0, SPEED, points=[4 / 3.6, 10 / 3.6, 200 / 12], epsabs=1)
     mean_force = 2 * work / SPEED**2
-    assert mean.dynamic_forces.sum() == pytest.approx(mean_force, rel=1e-3)
+    assert mean.force_dynamic.sum() == pytest.approx(mean_force, rel=1e-3)
     braking_way = mean.distance - SPEED * mean.equivalent_time
-    assert mean.dynamic_energy.sum() == pytest.approx(mean_force * braking_way, rel=1e-3)
-    assert (mean.energy + mean.dynamic_energy).sum() == pytest.approx(total * braking_way)
+    assert mean.energy_dynamic.sum() == pytest.approx(mean_force * braking_way, rel=1e-3)
+    assert (mean.energy + mean.energy_dynamic).sum() == pytest.approx(total * braking_way)
 
 
 def test_the_work_by_time_steps_is_the_integral_of_the_force_over_the_distance(electric):
@@ -106,7 +106,7 @@ def test_the_work_by_time_steps_is_the_integral_of_the_force_over_the_distance(e
     speed = SPEED - impulse / (train.mass + stop.rotating_mass)
     work = np.trapezoid(electric_force * share * np.maximum(speed, 0), time)
     assert stop.dynamic_energy == pytest.approx(work, rel=1e-3)
-    assert mean.dynamic_energy.sum() == pytest.approx(1.023 * work, rel=1e-3)
+    assert mean.energy_dynamic.sum() == pytest.approx(1.023 * work, rel=1e-3)
     assert plain_stop(SPEED, stop)["dynamic_work"] == stop.dynamic_energy
 
 
@@ -137,8 +137,8 @@ def test_added_brakes_shorten_the_stop(electric):
     assert both.friction == pytest.approx(friction.friction)
     assert both.dynamic.sum() == pytest.approx(4 * 10e3)
     mean = mean_stop(train, SPEED)
-    assert mean.without_dynamic > 1.1 * mean.distance
-    assert mean.without_dynamic == pytest.approx(mean_stop(with_brake(electric), SPEED).distance)
+    assert mean.distance_without_dynamic > 1.1 * mean.distance
+    assert mean.distance_without_dynamic == pytest.approx(mean_stop(with_brake(electric), SPEED).distance)
 
 
 def test_coupled_axles_and_units_per_axle_share_the_force(electric):
