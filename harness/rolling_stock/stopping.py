@@ -477,11 +477,19 @@ def _build_up_of(train: Train) -> tuple[Vector, Vector, Vector]:
 
 
 class _PressureBuildUp:
-    """Build-up of the brake pressure at each axle."""
+    """Build-up of the brake pressure at each axle through a stop.
+
+    Two-stage distributors have the relays of RailBraking.Pneumatics.TwoStageDistributor.
+    """
 
     def __init__(self, train: Train, speed: float) -> None:
-        self._command, self._stages = train.command, _StageRelays(train, speed)
+        self._command, parts = train.command, _stages_of(train)
         self._delay, self._time, self._inshot = _build_up_of(train)
+        values = [(1.0, 0.0, 1.0) if d is None else (d.low_share, d.speed_down, d.stage_time) for d in parts]
+        self._low, self._down, time = np.array(values).T
+        # A demand at a speed between the two thresholds starts in the low stage.
+        self._stage = np.where([d is None or speed >= d.speed_up for d in parts], 1.0, self._low)
+        self._progress = -np.expm1(-_STEP / time)
 
     def share(self, time: float | Matrix, speed: float | Matrix) -> Vector:
         """Return the pressure at each axle in the next step as a share of the highest, shape (axles,).
@@ -496,31 +504,15 @@ class _PressureBuildUp:
             case BrakePipe():
                 after = time - self._delay
                 filled = np.clip(self._inshot + (_FILLED - self._inshot) * after / self._time, 0.0, 1.0)
-                return self._stages.share(speed) * np.where(after > 0, filled, 0.0)
+                target = np.where(speed < self._down, self._low, self._stage)
+                self._stage = self._stage + self._progress * (target - self._stage)
+                return self._stage * np.where(after > 0, filled, 0.0)
 
 
 def _stages_of(train: Train) -> list[Stages | None]:
     """Return the stages of the distributor of each axle; None for a single one."""
     of_car = train.stages_of_car
     return [of_car[axle.car] for axle in train.axles]
-
-
-class _StageRelays:
-    """The relays of two-stage distributors through a stop, as RailBraking.Pneumatics.TwoStageDistributor."""
-
-    def __init__(self, train: Train, speed: float) -> None:
-        # A demand at a speed between the two thresholds starts in the low stage.
-        parts = _stages_of(train)
-        values = [(1.0, 0.0, 1.0) if d is None else (d.low_share, d.speed_down, d.stage_time) for d in parts]
-        self._low, self._down, time = np.array(values).T
-        self._share = np.where([d is None or speed >= d.speed_up for d in parts], 1.0, self._low)
-        self._progress = -np.expm1(-_STEP / time)
-
-    def share(self, speed: float | Matrix) -> Vector:
-        """Return the limit of the pressure at each axle in the next step as a share of the highest, shape (axles,)."""
-        target = np.where(speed < self._down, self._low, self._share)
-        self._share = self._share + self._progress * (target - self._share)
-        return self._share
 
 
 _BRAKE = ("piston_area", "rigging", "efficiency", "spring_force", "pressure_max", "pad_friction")
