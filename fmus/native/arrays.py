@@ -170,7 +170,7 @@ _ARITHMETIC: dict[str, Callable[[SX, SX], SX]] = {
     "divide": operator.truediv,
     "power": _power,
 }
-_RELATIONS: dict[str, Callable[[SX, SX], SX]] = {
+RELATIONS: dict[str, Callable[[SX, SX], SX]] = {
     "less": operator.lt,
     "less_equal": operator.le,
     "greater": operator.gt,
@@ -181,7 +181,7 @@ _RELATIONS: dict[str, Callable[[SX, SX], SX]] = {
     "or": ca.logic_or,
 }
 BINARY: dict[str, Callable[[Array, Array], Array]] = {
-    **{name: _elementwise(f, allows_scalar=False) for name, f in (_ARITHMETIC | _RELATIONS).items()},
+    **{name: _elementwise(f, allows_scalar=False) for name, f in (_ARITHMETIC | RELATIONS).items()},
     **{f"elementwise_{name}": _elementwise(function) for name, function in _ARITHMETIC.items()},
     "multiply": _product,
     "divide": _quotient,
@@ -206,14 +206,11 @@ ELEMENTWISE: dict[str, Callable[..., Array]] = {name: each(getattr(ca, name)) fo
 }
 
 
-def _fold(pair: Callable[[SX, SX], SX], neutral: float) -> Callable[..., Array]:
+def _fold(pair: Callable[[SX, SX], SX]) -> Callable[..., Array]:
     elementwise = _elementwise(pair)
 
     def fold(*arguments: Array) -> Array:
-        if len(arguments) == 2:
-            return elementwise(*arguments)
-        elements = list(arguments[0].flat)
-        return scalar(reduce(pair, elements) if elements else SX(neutral))
+        return elementwise(*arguments) if len(arguments) == 2 else scalar(reduce(pair, arguments[0].flat))
 
     return fold
 
@@ -304,9 +301,16 @@ def _matrix_cat(axis: int) -> Callable[..., Array]:
     return lambda *parts: _concatenate([p.reshape(p.shape + (1,) * (2 - p.ndim)) for p in parts], axis)
 
 
+OF_NO_ELEMENTS: dict[str, dict[str, float]] = {
+    "min": {"real": sys.float_info.max, "integer": 2**31 - 1, "boolean": 1},
+    "max": {"real": -sys.float_info.max, "integer": 1 - 2**31, "boolean": 0},
+}
+"""Value of min and max of an empty array, by type (Modelica Language Specification 3.6, section 10.3.4); an Integer has
+32 bits and is symmetric, as in Modelica.Constants."""
+
 SHAPED: dict[str, Callable[..., Array]] = {
-    "min": _fold(ca.fmin, sys.float_info.max),  # Modelica Language Specification 3.6, section 10.3.4
-    "max": _fold(ca.fmax, -sys.float_info.max),
+    "min": _fold(ca.fmin),
+    "max": _fold(ca.fmax),
     "sum": lambda a: scalar(reduce(operator.add, a.flat, SX(0))),
     "product": lambda a: scalar(reduce(operator.mul, a.flat, SX(1))),
     "zeros": lambda *sizes: _fill(SX(0), *sizes),

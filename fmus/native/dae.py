@@ -240,9 +240,15 @@ def read(
                 # The diagnosis of an error takes longer than the translation, and may not be necessary.
                 with suppress(InputError):
                     return _read(class_name, own, further, complete=complete, is_diagnosed=False)
-                copy = _rewrite(own, folder)
-                if copy is not None:
-                    own, further = copy, folder / _COPY if (folder / _COPY).is_dir() else None
+                original = own, further
+                own, further = _rewrite(*original, folder)
+                try:
+                    return _read(class_name, own, further, complete=complete, is_diagnosed=False)
+                except InputError as error:
+                    if "`empty array`" in str(error):
+                        with suppress(InputError):
+                            copy = _rewrite(*original, folder, has_empty_ranges=True)
+                            return _read(class_name, *copy, complete=complete, is_diagnosed=False)
             return _read(class_name, own, further, complete=complete)
         except InputError as error:
             # The user does not know the copies.
@@ -263,33 +269,36 @@ def _without_other_files(path: Path, folder: Path) -> Path:
     return folder / _COPY / path.relative_to(path.parents[1])
 
 
-_COPY = "rewritten-libraries"
-_COPY_OF_FILE = "rewritten-file"
+_COPIES = "rewritten"
+_COPY = f"{_COPIES}/libraries"
+_COPY_OF_FILE = f"{_COPIES}/file"
 
 
-def _rewrite(path: Path, folder: Path) -> Path | None:
-    # The path of the rewritten copy of a file; None if nothing is rewritten. The copies of libraries are in one folder,
-    # that of a single file is in another, because rumoca reads all files next to it.
+def _rewrite(
+    path: Path, further: Path | None, folder: Path, *, has_empty_ranges: bool = False
+) -> tuple[Path, Path | None]:
+    # The path of the rewritten copy of a file, and the folder of that of further libraries, if any; the same if nothing
+    # is rewritten. The copies of libraries are in one folder, that of a single file is in another, because rumoca reads
+    # all files next to it.
+    end = "-with-empty-ranges" if has_empty_ranges else ""
+    copies = folder / f"{_COPY}{end}"
     base = path.parents[1] if path.name == "package.mo" else path.parent
-    files = {file: folder / _COPY / file.relative_to(folder) for file in folder.rglob("*.mo")}
+    found = (file.relative_to(folder) for file in folder.rglob("*.mo"))
+    files = {folder / file: copies / file for file in found if file.parts[0] != _COPIES}
     if path.name == "package.mo":
-        files |= {
-            file: folder / _COPY / file.relative_to(base)
-            for file in modelica_files(path.parent)
-            if file.suffix == ".mo"
-        }
+        files |= {file: copies / file.relative_to(base) for file in modelica_files(path.parent) if file.suffix == ".mo"}
     else:
-        files[path] = folder / _COPY_OF_FILE / path.name
+        files[path] = folder / f"{_COPY_OF_FILE}{end}" / path.name
     contents = {file: read_bytes(file) for file in files}
     texts = {str(file): content.decode("utf-8-sig", errors="replace") for file, content in contents.items()}
-    changed = rewrite(texts)
+    changed = rewrite(texts, has_empty_ranges=has_empty_ranges)
     marked = [content for content in contents.values() if content.startswith(BOM_UTF8)]
     if not changed and not marked:
-        return None
+        return path, further
     for file, copy in files.items():
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_bytes(changed.get(str(file), texts[str(file)]).encode())
-    return files[path]
+    return files[path], copies if copies.is_dir() else None
 
 
 def _without_folder(message: str, folder: Path) -> str:

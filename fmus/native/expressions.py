@@ -13,7 +13,9 @@ from railgrip.base.errors import ShapeError
 from railgrip.fmus.native.arrays import (
     BINARY,
     ELEMENTWISE,
+    OF_NO_ELEMENTS,
     PARTIAL,
+    RELATIONS,
     SHAPED,
     SX,
     UNARY,
@@ -35,6 +37,7 @@ from railgrip.fmus.native.arrays import (
     scalar,
 )
 from railgrip.fmus.native.dae import Binding, Dae, Node
+from railgrip.fmus.native.stored_dae import parts_of
 
 # Kind of a reference → kind of the symbols, where they differ. During an event a state has its value before reinit.
 STORE = {
@@ -422,8 +425,32 @@ class ExpressionBuilder:
         if apply is None:
             raise self._refusal(f"built-in operator {name}", node)
         arguments = tuple(self._value(argument, frame) for argument in operation["operands"])
+        if name in OF_NO_ELEMENTS and len(arguments) == 1 and not arguments[0].size:
+            return scalar(SX(OF_NO_ELEMENTS[name][self._type(operation["operands"][0])]))
         self._require(name, arguments, node)
         return apply(*(extended(name, arguments) if self._is_guarded else arguments))
+
+    def _type(self, expression: int) -> str:
+        # The type of an expression: that of its operands, unless an operator has a result of another type.
+        operation = self.dae.expressions[expression]["operation"]
+        name = operation.get("operator") or operation.get("builtin")
+        if operation["kind"] == "literal":
+            return next(iter(operation["value"]))
+        if operation["kind"] == "coordinate":
+            coordinate = operation["coordinate"]
+            if coordinate["kind"] in ("binder", "condition"):
+                return "integer" if coordinate["kind"] == "binder" else "boolean"
+            return self.dae.variables[coordinate["id"]]["value_type"]["scalar"] if "id" in coordinate else "real"
+        if name in RELATIONS or name == "not":
+            return "boolean"
+        if name in ("integer", "size", "ndims"):
+            return "integer"
+        operands = [operation["base"]] if "base" in operation else list(parts_of(operation))
+        if operation["kind"] == "conditional":
+            operands = [*operands[1::2], operands[-1]]
+        types = {self._type(operand) for operand in operands}
+        keeps_type = name is None or name in ("add", "subtract", "multiply", "negate", "plus", "abs", "sum", "product")
+        return types.pop() if len(types) == 1 and keeps_type else "real"
 
     def _call(self, operation: Node, node: Node, frame: Frame) -> Array:
         function = self.dae.functions[operation["function"]]

@@ -12,6 +12,9 @@ The front end reads a class as it is written first; only if that fails, the text
 - An if equation of assertions becomes assertions that hold where the branch is not active (8.3.4).
 - A modifier with a dotted name is written with brackets (7.2).
 
+If it also fails on an empty array, whose type it does not know, arrays and reductions over ranges get one element more,
+which a slice removes: their range may be empty (10.3.4, 10.4.1).
+
 What is not certain to keep its meaning stays as it is, and is refused as before. Rewritten texts keep their lines.
 """
 
@@ -110,14 +113,17 @@ _Branch = tuple[tuple[_Token, ...], tuple[_Clause, ...]]
 """Condition and statements."""
 
 
-def rewrite(texts: Mapping[str, str]) -> dict[str, str]:
+def rewrite(texts: Mapping[str, str], *, has_empty_ranges: bool = False) -> dict[str, str]:
     """Return the texts of Modelica files that are rewritten, by name.
 
     Args:
         texts: All files of the libraries that are read, by name: a modifier in any of them may change a start value.
+        has_empty_ranges: Whether the range of an array or reduction may be empty.
     """
     every = "\n".join(texts.values())
     changed = {name: _rewrite(text, every) for name, text in texts.items()}
+    if has_empty_ranges:
+        changed = {name: _with_first_elements(text) for name, text in changed.items()}
     return {name: text for name, text in changed.items() if text != texts[name]}
 
 
@@ -793,17 +799,24 @@ def _written(target: tuple[str, str]) -> str:
 
 
 def _in_brackets(tokens: Sequence[_Token]) -> Iterator[_Edit]:
+    for begin, k in _bracketed(tokens):
+        if tokens[k].text == "for":
+            with contextlib.suppress(RewritingError):
+                yield from _reduction(tokens, begin, k)
+        elif "." in tokens[k].text[1:] and tokens[k + 1 : k + 2] and tokens[k + 1].text == "=":
+            yield from _dotted_modifier(tokens, begin, k)
+
+
+def _bracketed(tokens: Sequence[_Token]) -> Iterator[tuple[int, int]]:
+    # The innermost bracket around each token, and the token.
     opened: list[int] = []
     for k, token in enumerate(tokens):
         if token.text in "([{":
             opened.append(k)
         elif token.text in ")]}" and opened:
             opened.pop()
-        elif token.text == "for" and opened:
-            with contextlib.suppress(RewritingError):
-                yield from _reduction(tokens, opened[-1], k)
-        elif opened and "." in token.text[1:] and tokens[k + 1 : k + 2] and tokens[k + 1].text == "=":
-            yield from _dotted_modifier(tokens, opened[-1], k)
+        elif opened:
+            yield opened[-1], k
 
 
 def _reduction(tokens: Sequence[_Token], begin: int, k: int) -> Iterator[_Edit]:
@@ -843,3 +856,74 @@ def _dotted_modifier(tokens: Sequence[_Token], begin: int, k: int) -> Iterator[_
     end = next(part[-1].end for part in siblings if tokens[k] in part)
     yield tokens[k].start, tokens[k].end, f"{first}({'('.join(rest)}"
     yield end, end, ")" * len(rest)
+
+
+# Empty ranges
+
+
+def _iterations(tokens: Sequence[_Token]) -> list[tuple[int, int]]:
+    # The bracket and the `for` of each array constructor and reduction.
+    return [(begin, k) for begin, k in _bracketed(tokens) if tokens[k].text == "for"]
+
+
+def _with_first_elements(text: str) -> str:
+    tokens, edits = _tokens(text), list[_Edit]()
+    for begin, _ in _iterations(tokens):
+        if tokens[begin].text == "(":  # a reduction becomes one of an array
+            end = tokens[_closing(tokens, begin)].start
+            edits += [(tokens[begin].end, tokens[begin].end, "{"), (end, end, "}")]
+    text = _edited(text, edits)
+    text = _edited(text, _in_brackets(_tokens(text)))
+    tokens, edits = _tokens(text), list[_Edit]()
+    sections = [(scope, first, end) for scope in _scopes(tokens) for _, first, end in scope.sections]
+    for begin, k in _iterations(tokens):
+        for scope, first, end in sections:
+            if scope.kind != "function" and first <= k < end:
+                with contextlib.suppress(RewritingError):
+                    edits += _first_element(scope, tokens, begin, k)
+    return _edited(text, edits)
+
+
+def _first_element(scope: _Scope, tokens: Sequence[_Token], begin: int, k: int) -> Iterator[_Edit]:
+    # The front end evaluates a condition of numbers before subscripts, so that x[0] may follow it.
+    end = _closing(tokens, begin)
+    name, (first, *step, _), size = _range_of(scope, tokens[k + 1 : end])
+    by = f"({step[0]})" if step else "1"
+    before = f"({first}) - {by}"
+    inner, sizes = tokens[begin + 1 : k], list[str]()
+    while inner[0].text == "{" and (own := [j for b, j in _iterations(inner) if not b]):
+        sizes.append(_range_of(scope, inner[own[0] + 1 : -1])[2])
+        inner = inner[1 : own[0]]
+    value = _value_of_its_type(scope, tokens, {token.text for token in inner})
+    value = f"fill({', '.join([value, *sizes])})" if sizes else value
+    yield tokens[begin].start, tokens[begin].end, f"({{if {name} == {before} then {value} else "
+    lines = "\n" * (tokens[end].line - tokens[k + 1].line)
+    new = f"{name} in {before}:{by}:({first}) + {by}*({size} - 1)}})[2:{size} + 1]"
+    yield tokens[k + 1].start, tokens[end].end, new + lines
+
+
+def _value_of_its_type(scope: _Scope, tokens: Sequence[_Token], words: Set[str]) -> str:
+    # If the type of an expression with these words is Real or not known, a value of Real.
+    iterators = {one.text for one, other in pairwise(tokens) if other.text == "in"}
+    integers = iterators | {name for name, variable in scope.variables.items() if variable.type == "Integer"}
+    if words & {"<", ">", "<=", ">=", "==", "<>", "and", "or", "not", "true", "false"} and "if" not in words:
+        return "false"
+    return "0" if all(re.fullmatch(r"\d+|[-+*()]", word) for word in words - integers) else "0.0"
+
+
+def _range_of(scope: _Scope, tokens: Sequence[_Token]) -> tuple[str, list[str], str]:
+    # The name of an iterator, the limits of its range, and the size of that. The front end does not evaluate the size
+    # of an array there, but that in its declaration.
+    ((name, range_),) = _iterators(tokens) or (("", ()),)
+    text = " ".join(token.text for token in range_)
+
+    def declared(match: re.Match[str]) -> str:
+        variable = scope.variables.get(match[1])
+        size = " ".join(token.text for token in variable.sizes[int(match[2]) - 1]) if variable else ":"
+        return match[0] if ":" in size else f"({size})"
+
+    text = re.sub(r"\bsize \( (\w+) , (\d) \)", declared, text)
+    limits = [" ".join(token.text for token in part) for part in _split(_tokens(text), ":")]
+    if len(limits) not in (2, 3) or "for" in [token.text for token in range_]:
+        raise RewritingError
+    return name, limits, f"size({text}, 1)"

@@ -141,7 +141,7 @@ def _domains(expression: Node, every: Sequence[Node]) -> frozenset[int]:
         if kind == "coordinate" and operation["coordinate"]["kind"] == "binder":
             found = frozenset([operation["coordinate"]["domain"]])
         elif kind not in ("coordinate", "literal", "function_value"):
-            for number in _parts(operation):
+            for number in parts_of(operation):
                 found |= _domains(every[number], every)
             if kind == "comprehension":
                 found -= {operation["domain"]}
@@ -149,7 +149,8 @@ def _domains(expression: Node, every: Sequence[Node]) -> frozenset[int]:
     return expression["domains"]
 
 
-def _parts(operation: Node) -> Iterator[int]:
+def parts_of(operation: Node) -> Iterator[int]:
+    """Yield the expressions of which an operation consists."""
     for key in ("operand", "lhs", "rhs", "base", "value", "body"):
         if key in operation:
             yield operation[key]

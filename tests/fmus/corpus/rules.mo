@@ -881,6 +881,28 @@ Real y = a[1, 1] + 10*a[1, 2] + 100*a[2, 2]; end M;
 // 10.3.4 reductions of empty arrays; y = 10
 model M Real a[0]; Real y = sum(a) + 10*product(a); end M;
 
+// 10.3.4 reductions over an empty range in equations; a = 0; b = 1; c = 0; d = 1; y = 1; z = 1; v = 0; w = 1
+model M parameter Integer n = 0; Real a; Real b; Integer c; Integer d; Real y; Real z; Real v; Boolean w; equation
+a = sum(time + k for k in 1:n); b = product(time + k for k in 1:n); c = sum(1 + k for k in 1:n);
+d = product(1 + k for k in 1:n); v = sum(time*j + k for j in 1:2, k in n:-1:1); w = min(k > 1 for k in 1:n);
+y = if min(time + k for k in 1:n) > 8e304 and max(time + k for k in 1:n) < -8e304 then 1 else 0;
+z = if min(2*k for k in 1:n) >= 2147483647 and max(2*k for k in 1:n) <= -2147483647 then 1 else 0; end M;
+
+// 10.3.4 reductions over an empty range in declarations; y = 1; z = 1
+model M parameter Integer n = 0; Integer l = min(2*k for k in 1:n); Integer m = max(2*k for k in 1:n);
+Real y = if min(time + k for k in 1:n) > 8e304 and max(time + k for k in 1:n) < -8e304 then 1 else 0;
+Real z = if l >= 2147483647 and m <= -2147483647 then 1 else 0; end M;
+
+// 10.3.4 a range that is empty in one of two components; y = t + (1 if t > 0.5 else t)
+model A parameter Integer n = 1; Real x[n]; Real y; equation x = fill(time, n);
+y = sum(x[k] for k in 1:size(x, 1)) + sum(if time > 0.5 then x[k]/time else time for k in 1:n); end A;
+model M A a; A b(n=0); Real y; equation y = a.y + b.y; end M;
+
+// 10.4.1 array constructors over an empty range in equations; a = 0; b = 1; c = 20; d = 3 * t
+model M parameter Integer n = 0; Real a; Real b; Real c; Real d; equation a = size({time + k for k in 1:n}, 1);
+b = size(cat(1, {time + k for k in 1:n}, {time}), 1); c = sum(size({{j*k*time for j in 1:2} for k in 1:n}).*{1, 10});
+d = sum({{j*k*time for j in 1:2} for k in 1:n + 1}); end M;
+
 // refused: 10.3.4 a reduction over an array; y = t * t + 13
 model M Real v[3] = {time, 2, 3}; Real y = sum(x^2 for x in v); end M;
 
