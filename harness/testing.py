@@ -78,7 +78,7 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
     limits_of = cache(DemandLimits)  # common to both runs: the unit of demands is checked once
 
     def rows(law: Controller, formation: Formation) -> Iterator[Row]:
-        controller = CustomController(law, formation)
+        controller = _adapt(law, formation)
         limits = limits_of(formation, controller.place)
         shown: list[Observation] = []
         for estimated in (with_ for with_ in (True, False) if (estimates if with_ else not controller.needs)):
@@ -91,7 +91,7 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
                 except ControllerFailed as problem:
                     raise ControllerFailed(f"{problem}{_blame_inputs(factory, formation, shown)}") from problem
                 _require_unchanged(law, before, observation)
-                _require_pressures(law, formation, demands)
+                _require_pressures(controller.place, formation, demands)
                 yield tuple(limits.limit(demands, observation).tolist())
 
     _require_repeatable(factory, "decide", rows)
@@ -101,15 +101,27 @@ class _StartedFormula:
     """A law that is a formula, with the methods of a class in Python."""
 
     def __init__(self, kind: type[GroupLaw]) -> None:
-        self._kind, self.needs = kind, kind.needs
+        self.kind, self.needs = kind, kind.needs
 
     def start(self, formation: Formation) -> None:
         """Open the formula, with the defaults of its parameters."""
-        self._law = self._kind(formation.brakes, self._kind.tuning_with(period=_PERIOD))
+        self._law = self.kind(formation.brakes, self.kind.tuning_with(period=_PERIOD))
 
     def decide(self, observation: Observation) -> Sequence[float]:
         """Return the demanded pressure of each group [Pa]."""
         return self._law.decide(observation)
+
+
+class _FormulaController(CustomController):
+    """The adapter of such a law, whose messages name the function that gives the formula."""
+
+    def _written(self, method: str) -> tuple[object, str]:
+        assert isinstance(self._part, _StartedFormula)
+        return self._part.kind, "demand"
+
+
+def _adapt(law: Controller, formation: Formation) -> CustomController:
+    return (_FormulaController if isinstance(law, _StartedFormula) else CustomController)(law, formation)
 
 
 def check_estimator(factory: Callable[[], Estimator]) -> None:
@@ -232,7 +244,7 @@ def _blame_inputs(factory: Callable[[], Controller], formation: Formation, shown
     rolling = _rolling(formation, estimated=True)
 
     def passes(names: Sequence[str]) -> bool:
-        law, limits = CustomController(factory(), formation), DemandLimits(formation)
+        law, limits = _adapt(factory(), formation), DemandLimits(formation)
         rolls = failed._replace(**{name: getattr(rolling, name) for name in names})
         try:
             for observation in (*before, rolls):
@@ -277,12 +289,10 @@ def _lock(*arrays: NDArray[np.float64]) -> None:
         values.flags.writeable = False
 
 
-def _require_pressures(law: object, formation: Formation, demands: NDArray[np.float64]) -> None:
+def _require_pressures(place: str, formation: Formation, demands: NDArray[np.float64]) -> None:
     for demand, most in zip(demands, formation.pressure_max, strict=True):
         if not 0.0 <= demand <= most:
-            raise ContractBroken(
-                f"{type(law).__name__}.decide demands {demand:g} Pa; a cylinder takes 0 to {most:g} Pa"
-            )
+            raise ContractBroken(f"{place} demands {demand:g} Pa; a cylinder takes 0 to {most:g} Pa")
 
 
 def _require_unchanged(part: object, before: Observation, after: Observation) -> None:

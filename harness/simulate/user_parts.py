@@ -259,9 +259,14 @@ class _Adapter:
         self.name, self._part = type(part).__name__, part
         require_methods(part, self.name, self.role)
 
+    def _written(self, method: str) -> tuple[object, str]:
+        """Return the object that the user has written and its method that is called, by which messages name it."""
+        return self._part, method
+
     def _place(self, method: str) -> str:
+        part, method = self._written(method)
         name = f"{self.name}.{method}"
-        code = getattr(getattr(self._part, method, None), "__code__", None)
+        code = getattr(getattr(part, method, None), "__code__", None)
         return name if code is None else f"{name} ({_file(code.co_filename)}, line {code.co_firstlineno})"
 
     def _error(self, method: str, words: str, time: float | None = None) -> RailgripError:
@@ -281,15 +286,16 @@ class _Adapter:
 
     def _failure(self, method: str, problem: BaseException) -> str:
         frames = traceback.extract_tb(problem.__traceback__)[1:]  # the first one is the call from here
+        part, written = self._written(method)
         try:
-            file = inspect.getsourcefile(type(self._part))
+            file = inspect.getsourcefile(part if isinstance(part, type) else type(part))
         except (OSError, TypeError):
             file = None
-        theirs = [frame for frame in frames if frame.filename == file] or frames[:1]
+        theirs = [frame for frame in frames if frame.filename == file] or (frames[:1] if part is self._part else [])
         what = _text_of(problem)
         if not theirs:  # it could not even be called
             return f"{self._place(method)} failed: {what}."
-        return f"{self.name}.{method} failed in {_file(theirs[-1].filename)}, line {theirs[-1].lineno}: {what}."
+        return f"{self.name}.{written} failed in {_file(theirs[-1].filename)}, line {theirs[-1].lineno}: {what}."
 
     def _require_numbers(
         self, method: str, values: Mapping[str, Any], time: float | None = None, *, nan: bool = False

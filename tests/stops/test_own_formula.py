@@ -101,8 +101,13 @@ def vented():
 
 def test_a_formula_satisfies_the_contract_of_controllers():
     rg.testing.check_controller(vented())
-    with pytest.raises(rg.testing.ContractBroken, match=r"Own\.decide .* returned \[nan"):
-        rg.testing.check_controller(law(lambda _, __, group: group.slip * 1e9))
+    for demand, message in (
+        (lambda _, __, group: group.slip * 1e9, r"Own\.demand \(.*test_own_formula\.py, line \d+\) returned \[nan"),
+        (lambda _, __, group: group.nothing, r"Own\.demand failed in .*test_own_formula\.py, line \d+: AttributeError"),
+        (lambda _, __, group: "a", r"Own\.demand \(.*test_own_formula\.py, line \d+\) failed: TypeError"),
+    ):
+        with pytest.raises(rg.testing.ContractBroken, match=message):
+            rg.testing.check_controller(law(demand))
 
 
 def test_a_sweep_changes_the_parameters_of_a_formula():
