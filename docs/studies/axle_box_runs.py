@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from railgrip.base.arrays import generator
@@ -161,17 +162,14 @@ def figures_of(errors: Mapping[str, tuple[Array, Array | None]]) -> list[dict[st
     """Return RMSE, bias, coverage of the 95 % interval, NEES, and skill over `constant` of each estimator.
 
     Args:
-        errors: Estimator → errors of friction and claimed deviations, None without a claim.
+        errors: Estimator → errors of friction and claimed deviations, None without a claim: their figures are NaN.
     """
-    rows: list[dict[str, Any]] = []
-    for name, (error, claim) in errors.items():
-        figures = error_figures(error, np.full(error.shape, np.nan) if claim is None else claim)
-        claimed = {} if claim is not None else {"coverage": None, "NEES": None}
-        rows.append({"estimator": name, **figures, **claimed})
-    reference = rows[-1]["RMSE"]
-    return [
-        row | {"skill over constant": None if row is rows[-1] else 1 - (row["RMSE"] / reference) ** 2} for row in rows
-    ]
+    claims = {name: np.full(error.shape, np.nan) if claim is None else claim for name, (error, claim) in errors.items()}
+    found = pd.DataFrame({name: error_figures(error, claims[name]) for name, (error, _) in errors.items()}).T
+    found["coverage"] = found["coverage"].where(found["NEES"].notna())
+    skill = 1 - (found["RMSE"] / found["RMSE"]["constant"]) ** 2
+    found["skill over constant"] = skill.where(found.index != "constant")
+    return found.reset_index(names="estimator").to_dict("records")
 
 
 def elasticity(quantity: Vector, friction: Vector, others: Matrix) -> dict[str, float]:
@@ -204,19 +202,15 @@ def _slope(y: Vector, x: Matrix) -> float:
 def exponent_rows(size: str) -> list[dict[str, Any]]:
     """Return exponents of friction in slip, on films and on one surface, with speed and track held."""
     films = [name for name in ("campaign", "design", *JUDGED) if name not in ONE_SURFACE]
-    rows: list[dict[str, Any]] = []
-    for title, names in (("each film its own creep curve", films), ("one creep curve for all", ONE_SURFACE)):
-        part = [run for name in names for run in runs_of(size, name)]
-        tracks = [each.track for name in names for each in _plan(size)[name]]
-        speed = np.log([run.speed for run in part])
-        held = [speed, speed**2, *(np.array([track == one for track in tracks]) for one in sorted(set(tracks))[1:])]
-        slopes = np.log([math.nan if run.slope is None else run.slope for run in part])
-        friction = np.array([run.friction for run in part])
+    sets, rows = pd.DataFrame(run_rows(size)).set_index("set"), list[dict[str, Any]]()
+    for title, names in (("each film its own creep curve", films), ("one creep curve for all", [*ONE_SURFACE])):
+        runs = sets.loc[names]
+        speed, slope = np.log(runs["speed"]), np.log(runs["slope"].astype(float))
+        held = np.column_stack([speed, speed**2, pd.get_dummies(runs["track"], drop_first=True)])
         for field, quantity in QUANTITIES.items():
-            values = np.array([getattr(run, field) for run in part])
-            for also, others in (("", held), (", slope of the creep curve", [*held, slopes])):
-                case = {"runs": f"{title}, {len(part)} runs", "quantity": quantity, "held": f"speed, track{also}"}
-                rows.append(case | elasticity(values, friction, np.column_stack(others)))
+            for also, others in (("", held), (", slope of the creep curve", np.column_stack([held, slope]))):
+                case = {"runs": f"{title}, {len(runs)} runs", "quantity": quantity, "held": f"speed, track{also}"}
+                rows.append(case | elasticity(runs[field].to_numpy(), runs["friction"].to_numpy(), others))
     return rows
 
 

@@ -326,14 +326,9 @@ def test_figure(case: LateralCase) -> Figure:
                 axes.axvline(change, color=palette.GREY, linewidth=0.8, linestyle=":")
     for axes in panels[-1]:
         axes.set(xlabel="time [s]", xlim=(0, trace.time[-1]))
-    drawing.legend(*panels[0, 0].get_legend_handles_labels(), ncols=4, fontsize=8, frameon=False,
-                   loc="outside lower center")  # fmt: skip
-    drawing.suptitle(
-        f"{case.test.name} at {case.speed:g} m/s, {PLANTS[case.plant].title}, seed {case.seed}",
-        fontsize=10,
-        x=0.02,
-        ha="left",
-    )
+    style.legend(drawing, *panels[0, 0].get_legend_handles_labels(), ncols=4, loc="outside lower center")
+    title = f"{case.test.name} at {case.speed:g} m/s, {PLANTS[case.plant].title}, seed {case.seed}"
+    drawing.suptitle(title, fontsize=10, x=0.02, ha="left")
     return drawing
 
 
@@ -355,7 +350,7 @@ def spike_figure(trace: Trace) -> Figure:
     style.dress(right, x="time [s]", y="error [kN]", title="error", ylim=(-1.05 * largest, 1.05 * largest))
     for axes in (left, right):
         axes.axvline(change, color=palette.GREY, linewidth=0.8, linestyle=":")
-    drawing.legend(*left.get_legend_handles_labels(), ncols=4, fontsize=8, frameon=False, loc="outside lower center")
+    style.legend(drawing, *left.get_legend_handles_labels(), ncols=4, loc="outside lower center")
     return drawing
 
 

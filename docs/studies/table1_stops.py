@@ -387,9 +387,7 @@ def wheelset_figure(seeds: Mapping[str, int]) -> Figure:
         draw_adhesion(panel, traces, LIMIT, wheelset=number)
         style.dress(panel, y="adhesion", title=f"wheelset {number + 1}", ylim=(0, 0.24))
     panels[-1].set_xlabel("time since the brake demand [s]")
-    drawing.legend(
-        *panels[0].get_legend_handles_labels(), fontsize=8, ncols=5, loc="outside upper center", frameon=False
-    )
+    style.legend(drawing, *panels[0].get_legend_handles_labels(), ncols=5, loc="outside upper center")
     return drawing
 
 

@@ -110,8 +110,8 @@ def band(axes: Axes, x: Any, low: Any, high: Any, color: str, alpha: float, labe
     axes.fill_between(x, low, high, color=color, alpha=alpha, linewidth=0, label=label)
 
 
-def legend(axes: Axes, *handles: Any, **options: Any) -> None:
-    """Name the lines of axes in small letters without a frame, with the options of `Axes.legend`."""
+def legend(axes: Axes | Figure, *handles: Any, **options: Any) -> None:
+    """Name the lines of axes or a figure in small letters without a frame, with the options of their `legend`."""
     axes.legend(*handles, fontsize=8, frameon=False, **options)
 
 
