@@ -11,6 +11,12 @@ import rumoca
 from slave import Slave
 
 FEATURES = Path(__file__).parent / "modelica" / "Features"
+INTERFACES = ["CoSimulation", "ModelExchange"]
+SCOPE = {
+    "mod": np.mod, "rem": np.fmod, "floor": np.floor, "ceil": np.ceil, "integer": np.floor, "sign": np.sign,
+    "abs": np.abs, "min": np.minimum, "max": np.maximum, "sin": np.sin, "div": lambda a, b: np.trunc(a / b),
+}  # fmt: skip
+"""Functions of Modelica in numpy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +35,15 @@ class Fmu:
             v.name for v in self.description.modelVariables
             if v.causality == causality and (not types or v.type in types)
         ]  # fmt: skip
+
+
+def write_files(folder: Path, files: Mapping[str, str | bytes]) -> Path:
+    """Write files into a folder by their paths in it, and return the folder."""
+    for name, content in files.items():
+        file = folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(content.encode() if isinstance(content, str) else content)
+    return folder
 
 
 def check_directional_derivatives(
@@ -82,3 +97,22 @@ def simulated(
     return fmpy.simulate_fmu(
         str(file), stop_time=until, output_interval=step, input=signals, output=list(outputs), **settings
     )
+
+
+def trajectory(
+    fmu: Fmu, interface: str, *names: str, stop: float = 1.0, step: float = 0.1, **start: float
+) -> list[list[float]]:
+    """Return the values of variables at each communication point."""
+    found = fmpy.simulate_fmu(
+        str(fmu.folder), stop_time=stop, output=names, output_interval=step, fmi_type=interface, start_values=start,
+        record_events=False,
+    )  # fmt: skip
+    return [found[name].astype(float).tolist() for name in names]
+
+
+def compare(names: Sequence[str], found: np.ndarray, time: np.ndarray, expected: Mapping[str, np.ndarray]) -> None:
+    """Compare columns with expected values at some times, within 1e-5 of the largest value."""
+    for n in names:
+        seen = np.interp(time, found["time"], found[n].astype(float))
+        scale = np.max(np.abs(expected[n]))
+        assert np.max(np.abs(seen - expected[n])) <= 1e-5 * scale + 1e-9, n

@@ -11,10 +11,6 @@ import pytest
 from corpus.case import paragraphs
 from fmpy.fmi1 import FMICallException
 
-from railgrip.base.errors import TranslationError
-from railgrip.fmus.native.dae import read
-from railgrip.fmus.native.system import explicit
-
 RISING = "model M\n Real x(start=0,fixed=true);\n"
 
 UNDEFINED = [(*comment.split(" | ", 3), text) for comment, text in paragraphs("domains.mo")]
@@ -50,20 +46,12 @@ def end_of_run(modelica, run, text, start=None):
         r"sqrt\(p\): .* -1\."),
         (" parameter Real p = 1;\n Real z(start=log(p),fixed=true);\n", " der(x) = 1;\n der(z) = 1;\n", {"p": 0.0},
         r"log\(p\)"),
-        (" Real z(start=-1,fixed=true);\n Real w;\n",
-        " der(x) = 1;\n der(z) = 1;\n der(w) = 1;\ninitial equation\n w = sqrt(z);\n",
-         None, r"sqrt\(z\): .* -1\."),
-        (" discrete Real d(start=-1,fixed=true);\n Real w;\n",
-        " der(x) = 1;\n der(w) = 1;\n when time > 0 then\n  d = 4;\n end when;\ninitial equation\n w = sqrt(pre(d));",
-        None, r"sqrt\(pre\(d\)\): .* -1\."),
         (" parameter Real m = 1;\n Real z;\n", " der(x) = 1;\n m*z = x + 1;\n", {"m": 0.0},
         r"solved for z, whose coefficient"),
     ],
-    ids=["parameter", "dependent parameter", "start value", "initial equation", "previous value", "coefficient"],
+    ids=["parameter", "dependent parameter", "start value", "coefficient"],
 )  # fmt: skip
-def test_parameters_and_initial_values_are_checked_at_initialisation(
-    modelica, run, declarations, equations, start, words
-):
+def test_parameters_are_checked_at_initialisation(modelica, run, declarations, equations, start, words):
     messages, _ = end_of_run(modelica, run, f"{RISING}{declarations}equation\n{equations}end M;\n", start)
     assert any("domain error" in m and re.search(words, m) for m in messages)
 
@@ -118,19 +106,6 @@ def test_a_guarded_root_in_a_derivative_passes_its_boundary(modelica, run):
     root = math.sqrt(0.5)
     touch = 2 * (root - math.log(1 + root))
     assert instance.get("x")[0] == pytest.approx(-0.5 - (1 - touch), abs=1e-5)  # ten times the relative tolerance
-
-
-@pytest.mark.parametrize(
-    ("equation", "words"),
-    [("y = 1/0;", "the divisor"), ("y = t[n + 1];", r"t\[n \+ 1\]: subscript 1 must be from 1 to 3, but it is 4")],
-)
-def test_a_constant_that_is_not_defined_is_an_error_at_build_time(written, equation, words):
-    file = written(
-        "model M\n constant Integer n = 3;\n parameter Real t[3] = {1, 2, 3};\n Real x(start=0,fixed=true);\n Real y;\n"
-        f"equation\n der(x) = 1;\n {equation}\nend M;\n",
-    )
-    with pytest.raises(TranslationError, match=rf"M\.mo:8: M: .*{words}"):
-        explicit(read("M", file))
 
 
 def test_an_overflow_is_an_error_when_it_is_read(modelica, run):

@@ -4,6 +4,7 @@ import re
 
 import pytest
 from corpus.case import paragraphs
+from small_fmus import write_files
 
 from railgrip.base.errors import InputError, TranslationError
 from railgrip.fmus.build import build_class
@@ -43,42 +44,6 @@ def test_a_missing_file_or_class_is_reported(tmp_path, written):
         lower("Other", file)
 
 
-BROKEN = {
-    "syntax": ("h = 1;", "h = 1", "Broken/Inner.mo:5: unexpected `equation`"),
-    "component": ("der(x) = -h*x;", "der(x) = -hh*x;", "Broken/Inner.mo:6: der(x) = -hh*x;"),
-    "class": ("Real x", "Rael x", "Broken/Inner.mo:3: Rael x(start=1, fixed=true);"),
-    "construct": (
-        "h = 1;",
-        "h = 1; input Integer k; Integer n =\n pre(k);",
-        "Broken/Inner.mo:5: Broken.Inner: pre of an",
-    ),
-}
-
-
-@pytest.mark.parametrize("mistake", BROKEN)
-def test_an_error_in_a_library_is_reported_with_file_and_line(tmp_path, mistake):
-    """The front end names the component; for a library of many files it does not give the position."""
-    right, wrong, place = BROKEN[mistake]
-    library = tmp_path / "Broken"
-    library.mkdir()
-    (library / "package.mo").write_text("package Broken\nend Broken;\n")
-    inner = (
-        "within Broken;\nmodel Inner\n  Real x(start=1, fixed=true);\n  parameter Real h = 1;\n"
-        "equation\n  der(x) = -h*x;\nend Inner;\n"
-    )
-    (library / "Inner.mo").write_text(inner)
-    assert [v.name for v in lower("Broken.Inner", library).states] == ["x"]
-    (library / "Inner.mo").write_text(inner.replace(right, wrong))
-    with pytest.raises(InputError, match=r"Broken\.Inner") as refusal:
-        lower("Broken.Inner", library)
-    assert place in str(refusal.value)
-
-
-def test_missing_equations_are_counted(written):
-    with pytest.raises(InputError, match="1 equations"):
-        lower("M", written("model M Real x; Real y; equation x = 1; end M;"))
-
-
 def test_a_class_with_events_is_not_a_plain_differential_equation(written):
     file = written("model M Real x(start=1,fixed=true); equation der(x) = if x > 0.5 then -1 else -x; end M;")
     with pytest.raises(TranslationError, match="noEvent"):
@@ -93,16 +58,9 @@ LIBRARY = {
 }
 
 
-def write_library(folder, changed):
-    for name, text in (LIBRARY | changed).items():
-        file = folder / "Lib" / name
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_bytes(text if isinstance(text, bytes) else text.encode())
-    return folder / "Lib"
-
-
 ACCEPTED_FILES = {
     "carriage returns": {name: text.replace("\n", "\r\n") for name, text in LIBRARY.items()},
+    "byte order marks": {name: f"\ufeff{text}" for name, text in LIBRARY.items()},
     "comments before within": {"B.mo": f"// within X;\n/* within Y; */\n{LIBRARY['B.mo']}"},
     "an empty within": {"package.mo": f"within ;\n{LIBRARY['package.mo']}"},
     "an operator record": {
@@ -111,6 +69,20 @@ ACCEPTED_FILES = {
     },
 }
 REFUSED_FILES = {
+    # The front end names the component; for a library of many files it does not give the position.
+    "a syntax error": ({"B.mo": LIBRARY["B.mo"].replace("-x;", "-x")}, r"Lib/B\.mo:6: unexpected `end`"),
+    "an unknown component": ({"B.mo": LIBRARY["B.mo"].replace("-x;", "-h*x;")}, r"Lib/B\.mo:5: der\(x\) = -h\*x;"),
+    "an unknown class": (
+        {"B.mo": LIBRARY["B.mo"].replace("Real", "Rael")}, r"Lib/B\.mo:3: Rael x\(start=1, fixed=true\);"
+    ),
+    "a construct": (
+        {"B.mo": LIBRARY["B.mo"].replace("equation", "  input Integer k; Integer n =\n pre(k);\nequation")},
+        r"Lib/B\.mo:5: Lib\.S\.C: pre of an",
+    ),
+    "Latin-1": (
+        {"B.mo": LIBRARY["B.mo"].replace("B\n", 'B "Räder"\n', 1).encode("latin-1")},
+        r"B\.mo:2: the text is not UTF-8; save the file as UTF-8",
+    ),
     "UTF-16": ({"B.mo": LIBRARY["B.mo"].encode("utf-16")}, r"B\.mo:1: the text is not UTF-8"),
     "another within": (
         {"B.mo": LIBRARY["B.mo"].replace("Lib", "Other")},
@@ -132,15 +104,15 @@ REFUSED_FILES = {
 
 @pytest.mark.parametrize("name", ACCEPTED_FILES)
 def test_a_library_with_unusual_text_files_is_translated(tmp_path, name):
-    library = write_library(tmp_path, ACCEPTED_FILES[name])
+    library = write_files(tmp_path / "Lib", LIBRARY | ACCEPTED_FILES[name])
     assert [v.name for v in lower("Lib.S.C", library).states] == ["x"]
 
 
 @pytest.mark.parametrize("name", REFUSED_FILES)
-def test_a_file_that_does_not_fit_its_library_is_refused_with_its_line(tmp_path, name):
+def test_a_wrong_file_of_a_library_is_refused_with_its_line(tmp_path, name):
     changed, sentence = REFUSED_FILES[name]
     with pytest.raises(InputError, match=sentence):
-        lower("Lib.S.C", write_library(tmp_path, changed))
+        lower("Lib.S.C", write_files(tmp_path / "Lib", LIBRARY | changed))
 
 
 @pytest.mark.parametrize(
@@ -149,7 +121,7 @@ def test_a_file_that_does_not_fit_its_library_is_refused_with_its_line(tmp_path,
 def test_files_and_links_that_are_no_classes_are_ignored(tmp_path, name):
     """Locks and copies of editors, archives and version control; folders without `package.mo`."""
     loop = "output Real y[2]; equation for k in {1, 2} loop y[k] = k; end for;"  # which is rewritten
-    library = write_library(tmp_path, {"B.mo": LIBRARY["B.mo"].replace("equation", loop)})
+    library = write_files(tmp_path / "Lib", LIBRARY | {"B.mo": LIBRARY["B.mo"].replace("equation", loop)})
     other = library / name
     other.parent.mkdir(exist_ok=True)
     if name.endswith(("#B.mo", "Gone.mo")):
@@ -166,7 +138,7 @@ def test_files_and_links_that_are_no_classes_are_ignored(tmp_path, name):
 @pytest.mark.parametrize("is_other", [False, True])
 def test_a_link_to_a_folder_around_it_is_refused(tmp_path, written, link, is_other):
     """In the library of the class, and in one that it uses."""
-    library = write_library(tmp_path, {})
+    library = write_files(tmp_path / "Lib", LIBRARY)
     (library / link).symlink_to({"Self": ".", "S/Up": "..", "S/T": "../S"}[link])
     file = written("model M extends Lib.S.C; Lib.S.T.C a; Lib.Self.B b; Lib.S.Up.B c; end M;")
     with pytest.raises(InputError, match=rf"Lib/{link}: the library contains the folder .* twice; remove the link"):

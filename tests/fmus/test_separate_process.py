@@ -67,26 +67,15 @@ def test_an_invalid_class_is_refused_in_a_sentence(
     assert "Traceback" not in capfd.readouterr().err
 
 
-def test_a_class_for_a_filter_is_also_confined(tmp_path: Path):
-    (tmp_path / "M.mo").write_text(REFUSED["50,000 terms"][0])
+def test_a_class_for_a_filter_is_also_confined(written):
     with pytest.raises(InputError, match="M has an expression that is too long"):
-        lower("M", tmp_path / "M.mo")
+        lower("M", written(REFUSED["50,000 terms"][0]))
 
 
-@pytest.mark.parametrize("library", [False, True], ids=["file", "library"])
-def test_another_encoding_is_reported_with_file_and_line(tmp_path: Path, library: bool):
-    file = tmp_path / ("package.mo" if library else "M.mo")
-    text = 'package P\n  model M "Räder" Real x(start=1); equation der(x) = -x; end M;\nend P;\n'
-    file.write_bytes(text.encode("latin-1"))
-    with pytest.raises(InputError, match=rf"{file.name}:2: .* save the file as UTF-8"):
-        build_class("P.M", file, compiler="native")
-
-
-def test_brackets_in_texts_and_comments_do_not_count(tmp_path: Path):
-    file = tmp_path / "M.mo"
+def test_brackets_in_texts_and_comments_do_not_count(written):
     brackets = "(" * 500
-    file.write_text(DECAY.format("-x").replace("M Real", f'M "{brackets}" /* {brackets} */ // \'"{brackets}\n Real'))
-    assert lower("M", file).states[0].name == "x"
+    text = DECAY.format("-x").replace("M Real", f'M "{brackets}" /* {brackets} */ // \'"{brackets}\n Real')
+    assert lower("M", written(text)).states[0].name == "x"
 
 
 def test_translation_in_a_separate_process_gives_the_same_class(written, monkeypatch: pytest.MonkeyPatch):

@@ -94,23 +94,6 @@ def parameters(system) -> dict[str, float]:
     return dict(zip(names, [*starts, *dependent.full().ravel()], strict=True))
 
 
-@pytest.mark.parametrize(
-    ("types", "start"),
-    [
-        ('type Length = Real(start=2, unit="m"); type Distance = Length(min=0);', 2),
-        ('type Length = Real(start=2, unit="m"); type Distance = Length(start=3);', 3),
-        ('type Length = Real(start=2); type Middle = Length(start=3); type Distance = Middle(unit="m");', 3),
-    ],
-)
-def test_a_type_may_modify_attributes_of_another_type(tmp_path, types, start):
-    """Section 4.6: the attributes are those of the built-in type, the last modification counts."""
-    text = f"{types} model X Distance x(fixed=true); equation der(x) = 1; end X;"
-    system = explicit(read("P.X", file_of(tmp_path, text)))
-    assert float(column([s.start for s in system.variables.states])) == start
-    with pytest.raises(InputError, match=r"'unt' is not an attribute of (Distance|Middle)"):
-        read("P.X", file_of(tmp_path, text.replace("Length(", "Length(unt=1, ").replace("Real(unt=1, ", "Real(")))
-
-
 def test_every_finding_names_its_line(tmp_path):
     file = file_of(
         tmp_path, "  model X\n    Lost n(redeclare B a);\n    A b(\n      q=1,\n      hidden=2);\n  end X;\n"

@@ -134,10 +134,8 @@ def test_a_quoted_name_with_a_quotation_mark_is_refused(written):
         read("M", written(re.sub(r"\bv\b", lambda _: "'v??/\"; int crow(void) { return 1; }'", MODEL)))
 
 
-def test_a_quoted_name_of_a_class_is_text(tmp_path: Path):
-    file = tmp_path / "M.mo"
-    name = "'v??/; int crow(void) { return 1; }'"
-    file.write_text(re.sub(r"\bv\b", lambda _: name, MODEL))
+def test_a_quoted_name_of_a_class_is_text(written):
+    file = written(re.sub(r"\bv\b", "'v??/; int crow(void) { return 1; }'", MODEL))
     source = sources(explicit(read("M", file)), interfaces=("cs",))
     assert "crow(void)" in source.files["model.c"]
     assert "crow" not in without_literals(source.files["model.c"])

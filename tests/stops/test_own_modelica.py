@@ -10,7 +10,6 @@ import railgrip
 from railgrip.base import cache
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.controllers.valves import ValveLogic
-from railgrip.fmus.build import build_class
 from railgrip.fmus.native import lower
 from railgrip.scenario.load import load, scenario_of
 from railgrip.simulate.controller import valve_logic_of
@@ -113,17 +112,6 @@ def test_a_class_without_the_inputs_of_a_plant_is_refused(mine):
     with pytest.raises(Exception, match=r"no input 'pressure_command\[1\]'.*demand\[1\]") as refusal:
         run_stop(load(mine, SHORT))
     assert "freight_train: [vehicle.map]" in str(refusal.value)
-
-
-def test_external_functions_are_refused_so_compiled_models_may_be_trusted(tmp_path):
-    file = tmp_path / "Wild.mo"
-    file.write_text(
-        "package Wild\nfunction system input Real x; output Real y;\n"
-        'external "C" y = system(x); end system;\n'
-        "block Train input Real u; output Real y;\nequation\n y = system(u);\nend Train;\nend Wild;\n"
-    )
-    with pytest.raises(InputError, match=r"Wild\.mo:6: .*external function system is not supported"):
-        build_class("Wild.Train", file, compiler="native")
 
 
 @pytest.mark.parametrize("compiler", ["native", "openmodelica"])

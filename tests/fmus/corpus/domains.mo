@@ -212,3 +212,23 @@ model M
 equation
  (x - 0)*der(x) = 1;
 end M;
+
+// initial equation | 0.0 | w = sqrt | sqrt\(z\): .* -1\.
+model M
+ Real x(start=0,fixed=true), z(start=-1,fixed=true), w;
+equation
+ der(x) = 1; der(z) = 1; der(w) = 1;
+initial equation
+ w = sqrt(z);
+end M;
+
+// initial equation of a previous value | 0.0 | w = sqrt | sqrt\(pre\(d\)\): .* -1\.
+model M
+ Real x(start=0,fixed=true), w;
+ discrete Real d(start=-1,fixed=true);
+equation
+ der(x) = 1; der(w) = 1;
+ when time > 0 then d = 4; end when;
+initial equation
+ w = sqrt(pre(d));
+end M;

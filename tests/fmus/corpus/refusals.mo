@@ -61,7 +61,7 @@ initial equation
  k = 3;
 end M;
 
-// external; f(x)
+// external function f is not supported; f(x)
 package P function f input Real x; output Real y;
  external "C" y = sin(x); end f;
 model M Real x(start=1,fixed=true); equation
@@ -673,3 +673,41 @@ equation
  der(x) = vx; der(y) = vy; der(vx) = -f*x; der(vy) = -f*y - 9.81;
  x^2 + y^2 = L^2;
 end M;
+
+// external function f is not supported; f(x)
+package P function f input Real x; output Real y;
+ external "FORTRAN 77" y = sin(x); end f;
+model M Real x(start=1,fixed=true); equation
+ der(x) = -f(x); end M; end P;
+
+// this algorithm section; if time
+package P function f input Real u; output Real y;
+algorithm
+ y := u; end f;
+model M output Real y(start=2);
+algorithm if time > 1 then y := f(time); end if;
+end M; end P;
+
+// algorithm section; y := 0
+package P model A output Real y; parameter Integer n = 2;
+algorithm y := 0; for i in 1:n loop y := y + i; end for; end A;
+model M A a(n = 3); end M; end P;
+
+// algorithm section; if time
+package P model A output Real y;
+algorithm if time > 1 then y := 1; end if; end A;
+model M A a(y(start = 3)); end M; end P;
+
+// 1/0: the divisor must not be zero; 1/0
+model M Real x(start=0,fixed=true), y;
+equation der(x) = 1;
+ y = 1/0; end M;
+
+// t\[n \+ 1\]: subscript 1 must be from 1 to 3, but it is 4; t[n + 1]
+model M constant Integer n = 3; parameter Real t[3] = {1, 2, 3};
+ Real x(start=0,fixed=true), y;
+equation der(x) = 1;
+ y = t[n + 1]; end M;
+
+// the class has 1 equations;
+model M Real x; Real y; equation x = 1; end M;

@@ -524,7 +524,7 @@ model M Real x[2, 3]; Real y = x[2, 3]; equation for i in 1:2, j in 1:3 loop x[i
 model M Real x[6]; Real y = sum(x); equation for i in 1:2:5 loop x[i] = time; end for;
 for i in {2, 6} loop x[i] = 2*time; end for; for i in 4:-1:4 loop x[i] = 1; end for; end M;
 
-// refused: 8.3.2 a for equation over the size of an array; y = 6*t
+// 8.3.2 a for equation over the size of an array; y = 6*t
 model M parameter Integer n = 3; Real x[n]; Real y = sum(x); equation for i loop x[i] = i*time; end for; end M;
 
 // 8.3.2 a for equation that never runs; y = 1*t
@@ -1157,3 +1157,117 @@ Real y = 2*'a b' "text with \"quotes\""; end M;
 
 // 6 a record of another name with the same fields; y = math.hypot(t, 2)
 record R Real a; Real b; end R; model M R r = R(time, 2); Real y = Shared.norm(Shared.Pair(r.a, r.b)); end M;
+
+// 8.3.2 columns in a loop; m[1,1] = 1*t; m[1,2] = 2*t; m[2,1] = 2*t; m[2,2] = 4*t; m[3,1] = 3*t; m[3,2] = 6*t
+model M Real m[3, 2]; equation for k in 1:2 loop m[:, k] = {time, 2*time, 3*time}*k; end for; end M;
+
+// 8.3.2 rows in a loop; m[1,1] = 1*t; m[1,2] = 2*t; m[2,1] = 2*t; m[2,2] = 4*t; m[3,1] = 3*t; m[3,2] = 6*t
+model M Real m[3, 2]; equation for i in 1:3 loop m[i, :] = {time, 2*time}*i; end for; end M;
+
+// 8.3.2 slices downwards in a loop downwards; m[1,1] = 9; m[1,2] = 18; m[2,1] = 7; m[2,2] = 14; m[3,1] = 5; m[3,2] = 10
+model M Real m[3, 2]; equation for k in 2:-1:1 loop m[3:-1:1, k] = {5, 7, 9}*k; end for; end M;
+
+// 8.3.2 a list as an index in a loop; m[1,1] = 7; m[1,2] = 14; m[2,1] = 9; m[2,2] = 18; m[3,1] = 5; m[3,2] = 10
+model M Real m[3, 2]; equation for k in 1:2 loop m[{3, 1, 2}, k] = {5, 7, 9}*k; end for; end M;
+
+// 8.3.2 a slice and an element in a loop; m[1,1] = 1; m[1,2] = 2; m[2,1] = 5; m[2,2] = 10; m[3,1] = 7; m[3,2] = 14
+model M Real m[3, 2]; equation for k in 1:2 loop m[2:3, k] = {5, 7}*k; m[1, k] = k; end for; end M;
+
+// 8.3.2 a slice in a loop that never runs; m[1,1] = 4; m[1,2] = 4; m[2,1] = 4; m[2,2] = 4; m[3,1] = 4; m[3,2] = 4
+model M Real m[3, 2]; equation for k in 1:0 loop m[:, k] = {5, 7, 9}; end for; m = fill(4, 3, 2); end M;
+
+// 8.3.2 slices of one dimension of three; m[1,1] = 1; m[1,2] = 2; m[2,1] = 2; m[2,2] = 4; m[3,1] = 3; m[3,2] = 6
+model M Real m[3, 2]; Real v[1, 3, 2]; equation for j in 1:1, k in 1:2 loop v[j, :, k] = {1, 2, 3}*k; end for; m = v[1, :, :]; end M;
+
+// 8.3.2 slices of two dimensions of three; m[1,1] = 1; m[1,2] = 2; m[2,1] = 2; m[2,2] = 4; m[3,1] = 3; m[3,2] = 6
+model M Real m[3, 2]; Real v[1, 3, 2]; equation for i in 1:3 loop v[:, i, :] = {{1, 2}}*i; end for; m = v[1, :, :]; end M;
+
+// 8.3.2 derivatives of columns; m[1,1] = 5*t; m[1,2] = 10*t; m[2,1] = 7*t; m[2,2] = 14*t; m[3,1] = 9*t; m[3,2] = 18*t
+model M Real m[3, 2]; equation for k in 1:2 loop der(m[:, k]) = {5, 7, 9}*k; end for; end M;
+
+// 11.2.2 a for statement over two ranges; y = 123246*t
+function own input Real x; output Real y; algorithm y := 0; for i in 1:2, j in 1:3 loop y := 10*y + i*j*x; end for; end own;
+model M Real y = own(time); end M;
+
+// 12.4.4 a local array whose size is that of the argument; y = t * t + 13
+function own input Real v[:]; output Real y; protected Real w[size(v, 1)]; algorithm y := 0; for i in 1:size(v, 1) loop
+w[i] := v[i]^2; y := y + w[i]; end for; end own; model M Real y = own({time, 2, 3}); end M;
+
+// 11.2.1 assignments to slices; y = 678 + 1000 * t
+function own input Real v[:]; output Real y; protected Real w[2, 3]; algorithm w := zeros(2, 3); w[1, :] := v;
+w[:, {3, 1}] := {{7, 8}, {5, 6}}; y := w[1, 1] + 10*w[1, 3] + 100*w[2, 1] + 1000*w[1, 2]; end own;
+model M Real y = own({1, time, 3}); end M;
+
+// 10.5 an index that changes in a function; y = 1 if t < 0.5 else 5
+function own input Real x; input Real v[:]; output Real y; algorithm y := v[integer(x)]; end own;
+model M Real y = own(1.5 + time, {1, 5, 7}); end M;
+
+// 10.5 an assignment at an index that changes; y = 400 if t < 0.5 else 54
+function own input Real x; output Real y; protected Real a[2, 3]; algorithm a := zeros(2, 3); a[integer(x), 3] := 4;
+a[2, integer(x)] := 5; y := a[2, 3] + 10*a[2, 2] + 100*a[1, 3]; end own; model M Real y = own(1.5 + time); end M;
+
+// 11.2.5 return from a branch; y = 2 if t > 0.5 else 3
+function own input Real x; output Real y; algorithm y := 1; if x > 0.5 then y := 2; return; end if; y := 3; end own;
+model M Real y = own(time); end M;
+
+// 11.2.2 a result that only a loop assigns; y = 3*t
+function own input Real x; output Real y; algorithm for i in 1:3 loop y := i*x; end for; end own; model M Real y = own(time); end M;
+
+// 11.2.2 a local variable that only a loop assigns; y = 6*t
+function own input Real x; output Real y; protected Real z; algorithm y := 0; for i in 1:3 loop z := i*x; y := y + z; end for;
+end own; model M Real y = own(time); end M;
+
+// 3.5 equality of Reals in a function; y = 1 + t
+function own input Real x; output Real y; algorithm if x == 2 then y := 1; else y := 0; end if; end own;
+model M parameter Real p = 2; Real y = own(p) + time; end M;
+
+// 11.1.2 a variable that is read first has its start value; y = 1 + t; z = 1*t
+model M Real y; Real z; algorithm y := z + 1; z := time; y := y + z; end M;
+
+// 11.2.2 a loop over Real numbers; y = 5*t
+model M Real y; algorithm y := 0; for r in 0.5:0.5:2 loop y := y + r*time; end for; end M;
+
+// 11.2.2 a loop of an algorithm without repetitions; y = 1
+model M Real y; algorithm y := 1; for i in 2:1 loop y := 7; end for; end M;
+
+// 11.2.2 nested loops over a range that depends on the outer one; y = 112123
+model M Real y; algorithm y := 0; for i in 1:3 loop for j in 1:i loop y := 10*y + j; end for; end for; end M;
+
+// 11.2.1 elements of an array; x[1] = 5; x[2] = 2; x[3] = 1
+model M Real x[3]; algorithm for i in 1:3 loop x[4 - i] := i; end for; x[1] := x[1] + x[2]; end M;
+
+// 11.2.1 an array as a whole; x[1] = 1; x[2] = 1*t; s = 1 + 2 * t
+model M Real x[2]; Real s; algorithm x := {1, time}; s := sum(x) + x[2]; end M;
+
+// 11.2.2 a loop to an Integer parameter; x[1] = 1; x[2] = 1 + t; x[3] = 1 + 2 * t
+model M parameter Integer n = 3 "size"; Real x[n]; algorithm x[1] := 1; for i in 2:n loop
+x[i] := x[i - 1] + time; end for; end M;
+
+// 11.2.2 an iterator with the name of a constant; x[1] = 2; x[2] = 4; x[3] = 6
+model M constant Integer j = 3; Real x[j]; algorithm for j in 1:j loop x[j] := 2*j; end for; end M;
+
+// 11.2.6 no branch; y = 6
+model M Real y; algorithm y := 5; if noEvent(time > 2) then y := 1; end if; y := y + 1; end M;
+
+// 11.2.6 a condition on a variable that its branch changes; y = 0 if t > 0 else 9
+model M Real y; algorithm y := time; if noEvent(y > 0) then y := 0; elseif noEvent(y < 1) then y := 9; end if; end M;
+
+// 11.2.2 an iteration; y = (2 + t) ** 0.5
+model M Real y; algorithm y := 4; for i in 1:6 loop y := y - (y*y - 2 - time)/(2*y) + 0*(y + y + y + y); end for; end M;
+
+// 11.2.1 an assignment to two variables that read each other; p = 3 + t; q = 6 + 2 * t; r = 9 + 3 * t
+function own input Real u; output Real a; output Real b; algorithm a := u; b := 2*u; end own;
+model M Real p; Real q; Real r; algorithm p := 3; r := p; (p, q) := own(r + time); r := p + q; end M;
+
+// 8.3.2 a for equation with one of two ranges; x[1,1] = 11; x[1,2] = 12; x[2,1] = 21; x[2,2] = 22
+model M Real x[2, 2]; equation for i in 1:2, j loop x[i, j] = 10*i + j; end for; end M;
+
+// 10.3.4 a reduction over a list; y = 5
+model M Real y = max(abs(i - 4) for i in {3, 9, 4}); end M;
+
+// 10.3.4 a reduction in a for equation; x[1] = 3*t; x[2] = 6*t
+model M Real v[2] = {1, 2}*time; Real x[2]; equation for k loop x[k] = k*sum(v[i] for i); end for; end M;
+
+// 10.3.4 reductions over an iterator without values; s = 0; p = 1; a = np.finfo(float).max; b = np.finfo(float).min; tolerance = 0
+model M parameter Integer n = 0; Real s = sum(1.0 + i for i in 1:n); Real p = product(1.0 + i for i in 1:n);
+Real a = min(1.0 + i for i in 1:n); Real b = max(1.0 + i for i in 1:n); end M;

@@ -57,6 +57,9 @@ Fast v(fixed=true); Real y = v - time; equation der(v) = 1;
 // a start value of the first type; 7
 type S = Speed(min=0); S v(fixed=true); Real y = v - time; equation der(v) = 1;
 
+// a start value of the type between; 3
+type S = Speed(start=3); type D = S(min=0); D v(fixed=true); Real y = v - time; equation der(v) = 1;
+
 // a derived type of a vector; 7
 type V = Speed[2](each min=0); V v(each fixed=true); Real y = v[2] - time; equation der(v) = {1, 1};
 

@@ -65,6 +65,10 @@ model X extends A(zz=1); end X;
 // lenient: an unknown attribute; 'zz' is not an attribute of q
 model X A a(q(zz=1)); end X;
 
+// lenient: an unknown attribute in a type; 'unt' is not an attribute of Distance
+type Length = Real(start=2, unit="m"); type Distance = Length(unt=1, min=0); model X Distance x(fixed=true); equation
+der(x) = 1; end X;
+
 // lenient: an unknown element of the new type; 'v' is modified, which P\.B
 model X N n(redeclare B plain(v={1, 2})); end X;
 
