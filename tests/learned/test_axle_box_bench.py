@@ -1,23 +1,8 @@
-"""Slip acceleration of the ride, exponents of friction, and measures of the family of the comparison."""
+"""Exponents of friction, and measures of the family of the comparison."""
 
 import numpy as np
 import pytest
 from axle_box_runs import elasticity, figures_of
-
-from railgrip.estimation.axle_box.instrumented_car import MPH, Pass, ride
-
-RUN = Pass(
-    name="slip", speed=60 * MPH, condition="wet", friction=0.2, track="erri-low", track_seed=5, seed=5, length=8.0
-)
-
-
-def test_samples_of_the_car_resolve_the_slip_acceleration():
-    """Four times as many samples change its rms by little, although ω̇ is a difference of samples."""
-    coarse, fine = (ride(RUN, rate=rate).slip_acceleration for rate in (1280, 5120))
-    sizes = [np.sqrt(np.mean(one**2)) for one in (coarse, fine)]
-    assert sizes[0] == pytest.approx(sizes[1], rel=0.1)
-    # Wheelsets roll: without slip ẍ is ω̇r, and slip acceleration is a part of ẍ.
-    assert sizes[0] < 0.15
 
 
 def test_an_exponent_is_found_with_its_interval():
