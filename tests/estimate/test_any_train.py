@@ -16,7 +16,7 @@ import railgrip.scenario
 from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.cli.app import app
 from railgrip.estimation.models import of_train
-from railgrip.estimation.sources import require_consistent
+from railgrip.estimation.sources import recording_of_estimation, require_consistent
 from railgrip.estimation.spec import load_specification, model_parameters
 from railgrip.estimators.design import NOISE_SETS
 from railgrip.recording.samples import recording_of
@@ -226,14 +226,14 @@ def test_groups_of_a_trace_that_do_not_match_the_train_are_refused_together(trac
     assert "the recording has 4 groups of cylinder_pressure, and emu387 has 16" in text
 
 
-def test_columns_that_do_not_match_the_train_are_refused_together():
+def test_columns_that_do_not_match_the_train_are_refused_together_before_the_file_is_read():
     columns = {"speed": {"column": "v", "unit": "bar"}}
     columns |= {f"wheelset_speed[{group}]": {"column": f"n{group}", "unit": "rad/s"} for group in range(1, 7)}
     columns |= {f"cylinder_pressure[{group}]": {"column": f"p{group}", "unit": "bar"} for group in range(1, 4)}
     data = {"time": {"column": "t", "unit": "s"}, "period": 0.01, "longest_gap": 0.1, "frozen": 1.0, "spike": 8.0}
     changes = {"model.train": "tram", "data": data | {"columns": columns}}
     with pytest.raises(EstimationError) as error:
-        require_consistent(load_specification(Path("train"), changes))
+        recording_of_estimation(load_specification(Path("train"), changes), data=Path("missing.csv"))
     text = str(error.value)
     assert "[data.columns] has wheelset_speed[5], wheelset_speed[6], and tram has 4 groups" in text
     assert "lacks cylinder_pressure[4], which the model must know" in text

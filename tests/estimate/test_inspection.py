@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -83,9 +84,7 @@ def test_a_proposal_runs_once_unrecognised_columns_are_filled_in(tmp_path):
         line.replace('column = "?", unit = "N"', 'column = "Kanal 7", unit = "kN"').replace('"?"', '"km/h"')
         for line in inspection.proposal.splitlines()
     ]
-    file = path.with_suffix(".toml")
-    file.write_text("\n".join(lines), encoding="utf-8")
-    recording = recording_for(load_specification(file), path).recording
+    recording = read_by(replace(inspection, proposal="\n".join(lines)), path)
     np.testing.assert_allclose(reading_of(recording, "pad_force"), FORCE, rtol=1e-9)
     np.testing.assert_allclose(reading_of(recording, "speed"), V, rtol=1e-9)
 

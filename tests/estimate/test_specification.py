@@ -121,20 +121,6 @@ def test_all_errors_of_an_estimation_are_reported_before_compilation(tmp_path, m
     assert len(lines) == len(expected)
 
 
-def test_errors_in_columns_are_reported_before_the_file_is_read(tmp_path):
-    text = (LIBRARY / "field.toml").read_text(encoding="utf-8")
-    path = tmp_path / "mine.toml"
-    text = text.replace('"cylinder_pressure[4]" = { column = "p_4", unit = "bar" }', "")
-    text = text.replace('column = "n_1", unit = "rev/min"', 'column = "n_1", unit = "Hz"')
-    path.write_text(text + '"cylinder_pressure[5]" = { column = "p_5", unit = "bar" }\n', encoding="utf-8")
-    with pytest.raises(EstimationError) as refusal:
-        recording_of_estimation(load_specification(path), data=tmp_path / "missing.csv")
-    lines = str(refusal.value).splitlines()
-    assert len(lines) == 3
-    for key in ("cylinder_pressure[5]", "cylinder_pressure[4]", "wheelset_speed[1]"):
-        assert sum(key in line.partition(";")[0] for line in lines) == 1
-
-
 def test_a_model_of_another_train_is_refused_before_its_stop_is_simulated(tmp_path, monkeypatch):
     scenario = tmp_path / "other.toml"
     scenario.write_text('extends = "plain"\n[vehicle]\ntrain = "loco_coaches"\n', encoding="utf-8")
