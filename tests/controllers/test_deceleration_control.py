@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from wheelset import GROUP, observed, state_of
 
 from railgrip.controllers.laws.deceleration_control import DecelerationControl
@@ -36,12 +37,8 @@ def seen(time, speed, acceleration, pressure, driver, *, slip=(ROLLING,) * GROUP
 
 
 def driver_pressure(deceleration):
-    """Return the pressure at which nominal pads give a deceleration, solved from `force` by bisection."""
-    low, high = 0.0, GROUP.pressure_max
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if GROUPS * force(middle) < deceleration * MASS else (low, middle)
-    return low
+    """Return the pressure at which nominal pads give a deceleration, solved from `force`."""
+    return brentq(lambda pressure: GROUPS * force(pressure) - deceleration * MASS, 0.0, GROUP.pressure_max, xtol=1e-9)
 
 
 @pytest.mark.parametrize(("slope", "pads"), [(0.0, 1.0), (0.012, 0.85), (-0.012, 1.15)])

@@ -4,6 +4,7 @@ import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -181,14 +182,8 @@ def test_the_figures_of_a_stop_are_those_of_its_trace(tmp_path):
     assert figures_of(longer)["distance"] == np.inf
 
 
-class Here:
-    """Runs the cases of a study in this process."""
-
-    def map(self, function, cases, **_):
-        return [function(case) for case in cases]
-
-    def notify(self, doing):
-        """Ignore the progress."""
+HERE = SimpleNamespace(map=lambda function, cases, **_: [*map(function, cases)], notify=lambda doing: None)
+"""Runs the cases of a study in this process."""
 
 
 def stop_by_hand(scenario):
@@ -201,13 +196,14 @@ def stop_by_hand(scenario):
 
 @pytest.fixture
 def few_draws(few, monkeypatch):
+    monkeypatch.setattr("railgrip.studies.benefit.chain._KNOTS", 2)  # headways for two factors instead of sixteen
     monkeypatch.setattr(module, "figures_of", stop_by_hand)
 
 
 def test_the_question_of_an_operator_in_one_command(few_draws, monkeypatch):
     """Leaves at .05, level 0.8 to 1.2: all variants have the same levels, and sand halves all distances."""
     study = Benefit(EMU, "sand, slip_two_state", Path("leaves"), draws=6)
-    chain = chain_of(study, Here())
+    chain = chain_of(study, HERE)
     plain, sand, law, both = chain.figures["distance"]
     assert sand == pytest.approx(plain / 2)
     assert np.array_equal(plain, law)
@@ -218,7 +214,7 @@ def test_the_question_of_an_operator_in_one_command(few_draws, monkeypatch):
     assert np.array_equal(first, third)
     assert np.array_equal(second, last)
     monkeypatch.setattr(module, "chain_of", lambda *arguments: chain)
-    page = study.page(Here())
+    page = study.page(HERE)
     assert "shortens the headway by" in page.answer
     assert [row["measure"] for row in page.tables["gains.csv"].rows] == [BASE, "sand", "slip_two_state", "all together"]
     _, *headways, _ = module.draw(chain).axes
@@ -238,7 +234,7 @@ def test_a_rail_on_which_the_train_does_not_stop_is_refused(few_draws, monkeypat
         lambda scenario: stop_by_hand(scenario) | ({"distance": np.inf} if is_lost(scenario.adhesion.lowest) else {}),
     )
     with pytest.raises(InputError, match=f"does not come to a standstill in {stops} from 120 km/h on the rail"):
-        chain_of(Benefit(EMU, "sand", Path("leaves"), draws=2), Here())
+        chain_of(Benefit(EMU, "sand", Path("leaves"), draws=2), HERE)
 
 
 @pytest.mark.parametrize(

@@ -374,13 +374,13 @@ def test_the_ideal_bound_of_a_wagon_with_blocks_is_its_stop_without_the_build_up
     assert bound < at_once * 1.001
 
 
-def drawn(position, *, counted=1):
+def drawn(position):
     """The train of RailProfAC/ShuntingBrakingCurves with the deviations of its source in all six vehicles.
 
-    With `counted` 2 the force of the locomotive also acts at once, as the source has it.
+    The force of the locomotive also acts at once, as the source has it.
     """
     tables = shunting_tables(position)
-    tables["davis"]["constant"] = f"{7063 + (counted - 1) * 45580} N"
+    tables["davis"]["constant"] = f"{7063 + 45580} N"
     deviations = {
         "pressure": "5 kPa",
         "efficiency": 0.02 / 0.83,
@@ -401,7 +401,7 @@ def test_the_scatter_of_a_train_is_the_published_one(position, mean, deviation):
     600 draws have a standard error of 3 % of the deviation. Brakes of our locomotive scatter too, those of the source
     do not.
     """
-    train = drawn(position, counted=2)
+    train = drawn(position)
     figures = scatter(train, 25 / 3.6, train.dispersion, draws=600, seed=1).figures
     assert figures["mean"] == pytest.approx(mean, rel=0.01)
     assert figures["standard deviation"] == pytest.approx(deviation, rel=0.1)
