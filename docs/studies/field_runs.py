@@ -69,12 +69,12 @@ _CURVED = 5e-4
 """Curvature that counts as a curve, that of a radius of 2 km [1/m]."""
 _SLIDING = 0.02
 """Slip of motor bogie 1 above which it slides; it brakes with less than 1 % elsewhere."""
-MB1, JTB1 = 0, 1
 NOMINAL = 0.35
 """Pad friction of new pads, which normalises the paper's figure."""
-GROUP_NAMES = ("motor bogie 1", "Jacobs bogie, front")
-COLOURS = (palette.BLUE, palette.ORANGE)
-"""Of the groups in the figures."""
+COLOURS = {"motor bogie 1": palette.BLUE, "Jacobs bogie, front": palette.ORANGE}
+"""Colours of the groups in the figures."""
+_DOTTED: Mapping[str, Any] = {"linewidth": 1.0, "linestyle": ":"}
+"""Lines of published values."""
 
 Row = dict[str, Any]
 
@@ -317,15 +317,17 @@ def speed_figure(run: xarray.Dataset) -> Figure:
     time = run["time"].values
     panel.plot(time, style.KMH * reading_of(run, "speed"), color=palette.BLUE, linewidth=1.4, label="optical sensor")
     for on, colour, alpha, label in (
-        (traction_mask(run), palette.GREEN, 0.12, "driving"), (brake_mask(run), palette.VERMILION, 0.35, "braking"),
-    ):  # fmt: skip
-        panel.fill_between(time, 0, 1, where=on, transform=panel.get_xaxis_transform(), color=colour, alpha=alpha,
-                           linewidth=0, label=label)  # fmt: skip
+        (traction_mask(run), palette.GREEN, 0.12, "driving"),
+        (brake_mask(run), palette.VERMILION, 0.35, "braking"),
+    ):
+        shade = {"transform": panel.get_xaxis_transform(), "color": colour, "alpha": alpha, "linewidth": 0}
+        panel.fill_between(time, 0, 1, where=on, label=label, **shade)
     for number, at in enumerate(TIMES.values()):
-        panel.axvline(at, color=palette.BLACK, linewidth=0.8, linestyle=":",
-                      label=None if number else "published times")  # fmt: skip
-    panel.plot([TIMES["braking begins"], TIMES["standstill"]], [START_SPEED, 0], "D", color=palette.BLACK, markersize=5,
-               markerfacecolor="none", label="published speeds", clip_on=False, zorder=5)  # fmt: skip
+        label = None if number else "published times"
+        panel.axvline(at, color=palette.BLACK, linewidth=0.8, linestyle=":", label=label)
+    ends = [TIMES["braking begins"], TIMES["standstill"]], [START_SPEED, 0]
+    mark = {"color": palette.BLACK, "markersize": 5, "markerfacecolor": "none", "clip_on": False, "zorder": 5}
+    panel.plot(*ends, "D", label="published speeds", **mark)
     limits = {"xlim": (0, max(time[-1], TIMES["standstill"]) + 2), "ylim": (0, None)}
     style.dress(panel, x="time [s]", y="speed [km/h]", **limits)
     style.legend(panel, ncols=5, loc="lower left", bbox_to_anchor=(0, 1))
@@ -335,23 +337,17 @@ def speed_figure(run: xarray.Dataset) -> Figure:
 def readings_figure(braking: Braking) -> Figure:
     """Return the inputs and readings of the filter: pressures, speeds (figure 4)."""
     recording = braking.recording
-    time = recording["time"].values
+    time, speed = recording["time"].values, style.KMH * reading_of(recording, "speed")
     drawing, (upper, lower) = style.panels(9, 5, 2, 1, sharex=True)
-    for group in (MB1, JTB1):
-        pressure = reading_of(recording, f"cylinder_pressure[{group + 1}]") / 1e5
-        upper.plot(time, pressure, color=COLOURS[group], linewidth=1.2, label=GROUP_NAMES[group])
-    lower.plot(
-        time, style.KMH * reading_of(recording, "speed"), color=palette.BLACK, linewidth=1.4, label="train, optical"
-    )
-    for group in (MB1, JTB1):
-        rim = style.KMH * R_WHEEL * reading_of(recording, f"wheelset_speed[{group + 1}]")
-        lower.plot(time, rim, color=COLOURS[group], linewidth=1.0, label=f"{GROUP_NAMES[group]}, rim")
-    for group, highest in zip((MB1, JTB1), PRESSURES, strict=True):
-        upper.axhline(highest, color=COLOURS[group], linewidth=1.0, linestyle=":",
-                      label=f"{GROUP_NAMES[group]}, published highest")  # fmt: skip
-    lower.axvline(
-        OVERBRAKING, color=palette.BLACK, linewidth=1.0, linestyle=":", label="published slide of motor bogie 1"
-    )
+    lower.plot(time, speed, color=palette.BLACK, linewidth=1.4, label="train, optical")
+    for number, (name, colour) in enumerate(COLOURS.items(), start=1):
+        pressure = reading_of(recording, f"cylinder_pressure[{number}]") / 1e5
+        rim = style.KMH * R_WHEEL * reading_of(recording, f"wheelset_speed[{number}]")
+        upper.plot(time, pressure, color=colour, linewidth=1.2, label=name)
+        lower.plot(time, rim, color=colour, linewidth=1.0, label=f"{name}, rim")
+    for (name, colour), highest in zip(COLOURS.items(), PRESSURES, strict=True):
+        upper.axhline(highest, color=colour, label=f"{name}, published highest", **_DOTTED)
+    lower.axvline(OVERBRAKING, color=palette.BLACK, label="published slide of motor bogie 1", **_DOTTED)
     style.dress(upper, y="cylinder pressure [bar]", ylim=(-0.1, 3.8))
     style.dress(lower, x="time [s]", y="speed [km/h]", xlim=(time[braking.brake] - 3, time[-1]))
     style.legend(upper, ncols=2, loc="lower right")
@@ -365,29 +361,26 @@ def friction_figure(task: FilterTask, estimate: FilterRecord) -> Figure:
     time = task.braking.recording["time"].values[1:]
     drawing, (pads, curve) = style.panels(11, 3.4, 1, 2)
     window = time >= time[task.braking.brake - 1] + 0.3
-    for group in (MB1, JTB1):
-        mean = estimate.mean[:, 1 + GROUPS + group] / NOMINAL
-        sd = np.sqrt(estimate.variance[:, 1 + GROUPS + group]) / NOMINAL
-        true = task.truth[:, 1 + GROUPS + group] / NOMINAL
-        style.band(pads, time[window], (mean - 2 * sd)[window], (mean + 2 * sd)[window], COLOURS[group], 0.15)
-        pads.plot(time[window], mean[window], color=COLOURS[group], linewidth=1.1, label=GROUP_NAMES[group])
-        pads.plot(time[window], true[window], color=COLOURS[group], linewidth=1.1, linestyle="--",
-                  label=f"{GROUP_NAMES[group]}, true")  # fmt: skip
+    for group, (name, colour) in enumerate(COLOURS.items()):
+        columns = [1 + kind * GROUPS + group for kind in range(3)]
+        (w, pad, adhesion), (true_w, true_pad, true_adhesion) = estimate.mean[:, columns].T, task.truth[:, columns].T
+        sd = np.sqrt(estimate.variance[:, columns[1]])
+        pad, sd, true_pad = pad / NOMINAL, sd / NOMINAL, true_pad / NOMINAL
+        style.band(pads, time[window], (pad - 2 * sd)[window], (pad + 2 * sd)[window], colour, 0.15)
+        pads.plot(time[window], pad[window], color=colour, linewidth=1.1, label=name)
+        pads.plot(time[window], true_pad[window], color=colour, linewidth=1.1, linestyle="--", label=f"{name}, true")
         # Below walking pace slip is mostly noise of the sensors.
         moving = window & (task.truth[:, 0] > 2.0)
-        v, w = estimate.mean[:, 0], estimate.mean[:, 1 + group]
-        slip = 100 * (1 - R_WHEEL * w / v)
-        alpha = estimate.mean[:, 1 + 2 * GROUPS + group]
-        true_slip = 100 * (1 - R_WHEEL * task.truth[:, 1 + group] / task.truth[:, 0])
-        curve.plot(true_slip[moving], task.truth[moving, 1 + 2 * GROUPS + group], color=palette.GREY, linewidth=2.5,
-                   alpha=0.5, label="true" if group == MB1 else None)  # fmt: skip
-        curve.plot(slip[moving], alpha[moving], ".", color=COLOURS[group], markersize=2.5, label=GROUP_NAMES[group])
-    pads.axvline(OSCILLATION, color=palette.BLACK, linewidth=1.0, linestyle=":", label="published oscillation")
+        slip, true_slip = 100 * (1 - R_WHEEL * w / estimate.mean[:, 0]), 100 * (1 - R_WHEEL * true_w / task.truth[:, 0])
+        behind = {"color": palette.GREY, "linewidth": 2.5, "alpha": 0.5, "label": None if group else "true"}
+        curve.plot(true_slip[moving], true_adhesion[moving], **behind)
+        curve.plot(slip[moving], adhesion[moving], ".", color=colour, markersize=2.5, label=name)
+    pads.axvline(OSCILLATION, color=palette.BLACK, label="published oscillation", **_DOTTED)
     # No level of the paper is so high: the wheelsets are accelerated over the peak of the creep curve.
-    curve.text(6, 0.215, "motor bogie 1, out of the slide", fontsize=8, color=COLOURS[MB1])
+    curve.text(6, 0.215, "motor bogie 1, out of the slide", fontsize=8, color=palette.BLUE)
     for number, level in enumerate(ADHESIONS):
-        curve.axhline(level, color=palette.BLACK, linewidth=1.0, linestyle=":",
-                      label=None if number else "published, motor bogie 1")  # fmt: skip
+        label = None if number else "published, motor bogie 1"
+        curve.axhline(level, color=palette.BLACK, label=label, **_DOTTED)
     title = f"{PUBLISHED}: adhesion over slip"
     style.dress(curve, x="slip [%]", y="adhesion", title=title, xlim=(-1, 20), ylim=(-0.02, 0.24))
     title = f"{PUBLISHED}: pad friction ±2σ"
