@@ -7,13 +7,16 @@ entries of the table, above all those of adhesion-based control, are then predic
 """
 
 import re
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, Literal, NamedTuple
+
+import typer
 
 from railgrip.base.files import write_text
+from railgrip.base.records import make_folder
 from railgrip.base.registry import shelf
 from railgrip.campaign.workers import workers
+from railgrip.report.console import progress, say
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
 from railgrip.simulate.run import braking_distance
@@ -41,23 +44,26 @@ class FittedLevel(NamedTuple):
     distance: float
 
 
-def calibrate(scenarios: Sequence[str], folder: Path, notify: Callable[[FittedLevel], None]) -> list[FittedLevel]:
-    """Fit the levels of scenarios of the library for every shape of the creep curve; write their files to a folder.
-
-    Raises:
-        ArithmeticError: The distance is not reached with a level from 0.3 to 3.
-    """
-    fits: list[FittedLevel] = []
-    with workers(2) as pool:
-        futures = [pool.submit(fit, scenario, shape) for scenario in scenarios for shape in SHAPES]
-        for answer in futures:
-            fits.append(answer.result())
-            notify(fits[-1])
-    for scenario in scenarios:
-        text = shelf("scenarios")[scenario].read_text(encoding="utf-8")
-        levels = {fit.shape: fit.level for fit in fits if fit.scenario == scenario}
-        write_text(folder / f"{scenario}.toml", with_levels(text, levels))
-    return fits
+def calibrate(
+    scenario: Annotated[
+        Literal["trapezoid", "sine_sweep", "random"] | None,
+        typer.Option(help="The only scenario to fit; all unless given."),
+    ] = None,
+    out: Annotated[
+        Path, typer.Option(help="Folder of the scenario files.", show_default="the library of the project")
+    ] = Path("harness/scenario/library"),
+) -> None:
+    """Fit the levels of the scenarios to the published distances."""
+    make_folder(out)
+    levels: dict[str, dict[str, float]] = {name: {} for name in ([scenario] if scenario else TARGETS)}
+    with progress("levels", "some ten stops each"), workers(2) as pool:
+        for answer in [pool.submit(fit, name, shape) for name in levels for shape in SHAPES]:
+            name, shape, level, distance = answer.result()
+            levels[name][shape] = level
+            say(f"{name}, {shape}: level {level:.5f}, {distance:.1f} m (target {TARGETS[name]} m)")
+    for name, of_shapes in levels.items():
+        text = shelf("scenarios")[name].read_text(encoding="utf-8")
+        write_text(out / f"{name}.toml", with_levels(text, of_shapes))
 
 
 def fit(scenario: str, shape: str) -> FittedLevel:

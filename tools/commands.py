@@ -5,14 +5,14 @@
 
 import shutil
 from collections.abc import Callable
+from dataclasses import asdict
 from fnmatch import fnmatch
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
-from calibration import TARGETS
-from calibration import calibrate as fit_levels
+from calibration import calibrate
 from compilers import compare
 from conditioning import Refinement, campaign_of, conditioning_of, merged, repeats_of, with_refinement
 from floors import floors
@@ -37,9 +37,8 @@ from validation import (
     with_distances,
 )
 
-from railgrip.base.errors import EstimationError, InputError, ScenarioError
+from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.files import write_text
-from railgrip.base.records import make_folder
 from railgrip.base.registry import shelf
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import call, work
@@ -56,7 +55,7 @@ from railgrip.estimation.field_test.filtering import (
     save_noise,
     task_of,
 )
-from railgrip.estimation.field_test.score import DIVERGED, Generations, Search
+from railgrip.estimation.field_test.score import DIVERGED, Generations, Kind, Search
 from railgrip.estimation.field_test.score import tune as search_for
 from railgrip.fmus.build import Compiler, choose
 from railgrip.report.baseline import Baseline, load_baseline, write_baseline
@@ -222,30 +221,8 @@ def _previous_repeats(path: Path, relative: float) -> dict[str, RepeatedDistance
     return before.stops
 
 
-def calibrate(
-    scenario: Annotated[
-        Literal["trapezoid", "sine_sweep", "random"] | None,
-        typer.Option(help="The only scenario to fit; all unless given."),
-    ] = None,
-    out: Annotated[
-        Path, typer.Option(help="Folder of the scenario files.", show_default="the library of the project")
-    ] = Path("harness/scenario/library"),
-) -> None:
-    """Fit the levels of the scenarios to the published distances."""
-    make_folder(out)
-    with progress("levels", "some ten stops each"):
-        fit_levels(
-            tuple(TARGETS) if scenario is None else (scenario,),
-            out,
-            lambda fit: say(
-                f"{fit.scenario}, {fit.shape}: level {fit.level:.5f}, {fit.distance:.1f} m "
-                f"(target {TARGETS[fit.scenario]} m)"
-            ),
-        )
-
-
 def tune(
-    kind: Annotated[str, typer.Argument(metavar="paper|consistent", help="Objective.")],
+    kind: Annotated[Kind, typer.Argument(help="Objective.")],
     out: Annotated[Path, typer.Option(help="File for the noises.")],
     campaign: Annotated[
         Path | None, typer.Option(metavar="FILE.toml", help="Cases of a field test; field_test unless given.")
@@ -258,8 +235,6 @@ def tune(
     import_from: ImportFrom = None,
 ) -> None:
     """Search the twelve noises of the field test's filter."""
-    if kind != "paper" and kind != "consistent":
-        raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
     search = Search(population=population, generations=generations, stage=stage, seed=seed)
     with work("field_test", workers=workers) as job:
         one_run = partial(run, import_from=tuple(import_from or ()))
@@ -273,15 +248,12 @@ def tune(
             return found
 
         noise, value, history = search_for(kind, tasks, search, job.count, run_stage)
-    command = (
-        f"python tools tune {kind} --population {population} --generations {generations} --stage {stage} "
-        f"--seed {seed} --out {out}"
-    )
+    options = " ".join(f"--{name} {value}" for name, value in asdict(search).items())
     save_noise(
         noise,
         out,
         title=f"Noises of the field test's filter, tuned on {', '.join(TUNING)}; objective '{kind}'.",
-        command=command,
+        command=f"python tools tune {kind} {options} --out {out}",
         results={"objective": value, "generations": float(len(history))},
     )
     say(f"{kind}: {value:.6f} m/s after {len(history)} generations")

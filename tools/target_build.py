@@ -4,6 +4,7 @@ import ctypes
 import re
 import subprocess
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Final
 
@@ -226,16 +227,13 @@ class TargetBuild:
         """
         calls, own = self._calls()
         known: dict[str, int] = {}
-
-        def depth(function: str, above: tuple[str, ...]) -> int:
-            if function in above:
-                raise BuildFailed(f"{self.name}: {' calls '.join((*above, function))}.")
-            if function not in known:
-                deeper = (depth(each, (*above, function)) for each in calls.get(function, ()))
+        try:
+            for function in TopologicalSorter({name: set[str]() for name in own} | calls).static_order():
+                deeper = (known[each] for each in calls.get(function, ()))
                 known[function] = own.get(function, 0) + max(deeper, default=0)
-            return known[function]
-
-        return max(depth(f"{self.name}_{entry}", ()) for entry in ("start", "step"))
+        except CycleError as error:
+            raise BuildFailed(f"{self.name}: {' calls '.join(reversed(error.args[1]))}.") from error
+        return max(known[f"{self.name}_{entry}"] for entry in ("start", "step"))
 
     def _calls(self) -> tuple[dict[str, set[str]], dict[str, int]]:
         """Return the functions that each function calls, and its own stack [bytes].

@@ -10,6 +10,8 @@
 # ## Guards of the law
 
 # %%
+from itertools import product
+
 import printed_stops as stops
 from table1_stops import SCENARIOS
 
@@ -22,10 +24,8 @@ quick = False
 # %%
 variants = list(stops.GUARDS)[: 2 if quick else None]
 equipment = ["ideal", "service"]
-cases = [
-    {"variant": variant, "equipment": each, "scenario": rail, "repeats": 1 if quick else 3}
-    for variant in variants for each in equipment for rail in SCENARIOS
-]  # fmt: skip
+names, repeats = ("variant", "equipment", "scenario", "repeats"), [1 if quick else 3]
+cases = [dict(zip(names, case, strict=True)) for case in product(variants, equipment, SCENARIOS, repeats)]
 guards = rg.evaluate(stops.guard_row, cases, "printed_law_guards.csv")
 guards["stop"] = guards["equipment"] + ": " + guards["scenario"].str.replace("_", " ")
 first = guards[guards["variant"] == variants[0]].set_index("stop")["distance"]
@@ -90,10 +90,8 @@ rg.table(above, forms, left=["law", "equipment", "rail"])
 
 # %%
 laws = {"adhesion_based": "peak seeking (railgrip)", "slope_seeking": "slope-seeking control"}
-cases = [
-    {"law": law, "filter": each, "scenario": rail}
-    for law in list(laws)[: 1 if quick else None] for each in stops.FILTERS for rail in SCENARIOS
-]  # fmt: skip
+axes = list(laws)[: 1 if quick else None], stops.FILTERS, SCENARIOS
+cases = [dict(zip(("law", "filter", "scenario"), case, strict=True)) for case in product(*axes)]
 filters = rg.evaluate(stops.filter_row, cases, "printed_law_filters.csv")
 read = filters.groupby(["law", "scenario"])["distance"].transform("first")
 filters["text"] = [
