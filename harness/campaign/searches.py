@@ -13,6 +13,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, cast
 
 import numpy as np
@@ -52,10 +53,6 @@ _ENDLESS = 2000.0  # m, for a train that does not stop
 _SEED = 2021
 _SETS = 24
 """Sets of parameters that are tried per searched parameter: the same effort for every law."""
-
-
-Mapped = Callable[[Callable[[Vector], float], Iterable[Vector]], list[float]]
-"""Returns the values of a function at points."""
 
 
 def mean_logarithm(names: tuple[str, ...], stops: tuple[Scenario, ...], point: Vector) -> float:
@@ -151,9 +148,8 @@ def search(
     reference_mean = float(np.mean(np.log(reference)))
     effort = _effort(len(ranges), sets, budget)
     best = evolve(
-        objective, ranges, start, effort, lambda function, points: list(pool.map(function, points)),
-        lambda n, mean: notify(n, math.expm1(mean - reference_mean)),
-        evenly=budget is not None,
+        lambda points: list(pool.map(objective, points)), ranges, effort, start,
+        lambda n, mean: notify(n, math.expm1(mean - reference_mean)), evenly=budget is not None,
     )  # fmt: skip
     values = parameters_of(tuple(ranges), best)
     distances = list(pool.map(_distance, [_with(values, stop) for stop in stops]))
@@ -167,21 +163,21 @@ def search(
 
 
 def evolve(
-    objective: Callable[[Vector], float],
+    objectives: Callable[[Iterable[Vector]], list[float]],
     ranges: Ranges,
-    start: Mapping[str, float],
     effort: tuple[int, int],
-    mapped: Mapped,
-    notify: Callable[[int, float], None],
+    start: Mapping[str, float] = MappingProxyType({}),
+    notify: Callable[[int, float], None] = lambda number, best: None,
     *,
-    evenly: bool,
+    evenly: bool = True,
 ) -> Vector:
     """Return the point with the minimum objective that differential evolution finds.
 
     Args:
-        start: Parameters of one point of the first population.
+        objectives: Returns the objective at each of several points.
+        ranges: Ranges of the parameters.
         effort: Size of the population, and number of generations after the first.
-        mapped: Returns the objective at each of several points.
+        start: Parameters of one point of the first population; the middles of the ranges unless given.
         notify: Called after each generation with its number and the minimum objective.
         evenly: Whether the rest of the first population are Sobol points, whatever their number; else SciPy chooses.
     """
@@ -196,7 +192,7 @@ def evolve(
         notify(generation, intermediate_result.fun)
 
     optimum = differential_evolution(
-        objective,
+        lambda point: objectives([point])[0],
         Bounds(*bounds),
         x0=point_of(ranges, start),
         init=bounds[0] + unit_points * (bounds[1] - bounds[0]) if evenly else "sobol",
@@ -206,7 +202,8 @@ def evolve(
         polish=False,
         rng=_SEED,
         updating="deferred",
-        workers=cast("Any", mapped),  # the stubs expect a number, the function also accepts a map
+        # The stubs expect a number, the function also accepts a map.
+        workers=cast("Any", lambda _, points: objectives(points)),
         callback=note,
     )
     return optimum.x

@@ -1,6 +1,6 @@
 """Error of the stopping point over draws of rail, load, gradient, pads and faults, for three ways to stop."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -196,16 +196,14 @@ def search(system: str, work: Work, sets: int) -> dict[str, float]:
     draws = draws_of(TRAINING, TRAINING_SEED)
     ranges = SYSTEMS[system]["ranges"]
 
-    def objectives(_: Callable[..., float], points: Iterable[NDArray[np.float64]]) -> list[float]:
+    def objectives(points: Iterable[NDArray[np.float64]]) -> list[float]:
         values = [parameters_of(tuple(ranges), point) for point in points]
         rows = work.map(stop_row, [(system, one, draw, True) for one in values for draw in draws])
         errors = [row["error"] for row in rows]
         count = len(draws)
         return [objective(errors[i * count : (i + 1) * count]) for i in range(len(values))]
 
-    effort = (max(sets // 2, _POPULATION), 1)
-    point = evolve(lambda _: 0.0, ranges, {}, effort, objectives, lambda *_: None, evenly=True)
-    return parameters_of(tuple(ranges), point)
+    return parameters_of(tuple(ranges), evolve(objectives, ranges, (max(sets // 2, _POPULATION), 1)))
 
 
 def frame_of(
