@@ -185,10 +185,7 @@ class CompiledFilter(StepInC):
     @classmethod
     def of_context(cls, context: FilterContext) -> Self:
         """Return the filter of a scenario with its first estimate."""
-        filter_ = cls(
-            context.prediction, context.process_noise, context.reading_noise, context.period, context.gate,
-            context.outlier_limit,
-        )  # fmt: skip
+        filter_ = cls(*context.arguments)
         filter_.start(context.mean, context.covariance)
         return filter_
 

@@ -297,6 +297,13 @@ class FilterContext:
     mean: Vector
     covariance: Matrix
 
+    @property
+    def arguments(self) -> tuple[Any, Vector, Vector, float, Gate | None, list[float] | None]:
+        """Model, noises, period, gate and outlier limit: the arguments of a filter."""
+        return (
+            self.prediction, self.process_noise, self.reading_noise, self.period, self.gate, self.outlier_limit,
+        )  # fmt: skip
+
 
 class FilterKind:
     """A kind of filter, in a module of `railgrip.estimators.filters` that is named like the kind in a scenario.

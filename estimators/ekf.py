@@ -69,14 +69,7 @@ class GaussianFilter(ABC):
     @classmethod
     def without_estimate(cls, context: FilterContext) -> Self:
         """Return the filter of a scenario."""
-        return cls(
-            context.prediction,
-            context.process_noise,
-            context.reading_noise,
-            context.period,
-            context.gate,
-            context.outlier_limit,
-        )
+        return cls(*context.arguments)
 
     @classmethod
     def of_context(cls, context: FilterContext) -> "NumpyFilter":
@@ -254,9 +247,11 @@ class NumpyFilter:
         """
         forecast = self._filter.predict(self._belief, self.inputs)
         innovation = self._filter.innovation(forecast, self.inputs, self.readings)
-        self._belief = belief = self._filter.condition(forecast, self.inputs, innovation)
+        self._belief = self._filter.condition(forecast, self.inputs, innovation)
+        self._publish(self._belief, innovation.rows, innovation.nis)
+
+    def _publish(self, belief: GaussianEstimate, rows: NDArray[np.intp], squared_innovation: float) -> None:
+        self.mean[:], self.covariance[:] = belief.mean, belief.covariance
         self.selection[:] = 0.0
-        self.selection[innovation.rows] = 1.0
-        self.squared_innovation = innovation.nis
-        self.mean[:] = belief.mean
-        self.covariance[:] = belief.covariance
+        self.selection[rows] = 1.0
+        self.squared_innovation = squared_innovation

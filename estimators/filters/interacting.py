@@ -98,11 +98,8 @@ class InteractingFilters(NumpyFilter, FilterKind):
         logarithms = np.log(expected) + [log_likelihood(innovation) for innovation in innovations]
         weights = np.exp(logarithms - logarithms.max())
         self.probabilities = weights / weights.sum()
-        belief = combine(self._beliefs, self.probabilities)
-        self.mean[:], self.covariance[:] = belief.mean, belief.covariance
-        self.selection[:] = 0.0
-        self.selection[innovations[0].rows] = 1.0
-        self.squared_innovation = float(self.probabilities @ [innovation.nis for innovation in innovations])
+        nis = float(self.probabilities @ [innovation.nis for innovation in innovations])
+        self._publish(combine(self._beliefs, self.probabilities), innovations[0].rows, nis)
 
     def _innovations(self, forecasts: Sequence[GaussianEstimate]) -> list[Innovation]:
         """Return the innovation of each filter, over the readings that all filters accept."""

@@ -85,7 +85,8 @@ class ParticleFilter(NumpyFilter, FilterKind):
             FilterDiverged: No particle explains the readings, or a filter diverged.
         """
         sampled, steps = self._sampled, self._deviation * self._kalman.free(self.inputs)[self._sampled]
-        logarithms, nis, beliefs = np.log(np.maximum(self.weights, np.finfo(float).tiny)), 0.0, []
+        logarithms, nis = np.log(np.maximum(self.weights, np.finfo(float).tiny)), 0.0
+        beliefs, rows = list[GaussianEstimate](), list[NDArray[np.intp]]()
         for k, belief in enumerate(self._beliefs):
             forecast = self._kalman.predict(belief, self.inputs)
             walked = _moved(forecast.mean, sampled, steps * self._random.normal(size=len(sampled)))
@@ -94,15 +95,12 @@ class ParticleFilter(NumpyFilter, FilterKind):
             beliefs.append(self._kalman.condition(forecast, self.inputs, innovation))
             logarithms[k] += log_likelihood(innovation)
             nis += self.weights[k] * innovation.nis
-            if k == 0:
-                self.selection[:] = 0.0
-                self.selection[innovation.rows] = 1.0
+            rows.append(innovation.rows)
         weights = np.exp(logarithms - logarithms.max())
         if not np.isfinite(weights).all():
             raise FilterDiverged("Filter: no particle explains the readings.")
-        self._beliefs, self.weights, self.squared_innovation = beliefs, weights / weights.sum(), nis
-        combined = combine(self._beliefs, self.weights)
-        self.mean[:], self.covariance[:] = combined.mean, combined.covariance
+        self._beliefs, self.weights = beliefs, weights / weights.sum()
+        self._publish(combine(self._beliefs, self.weights), rows[0], nis)
         self._resample()
 
     def _resample(self) -> None:
