@@ -47,14 +47,12 @@ def since_brake_demand(trace: xarray.Dataset) -> xarray.Dataset:
 
 def distance_travelled(trace: xarray.Dataset) -> float:
     """Return the distance from the first sample to the last [m]; of a stop to standstill, its braking distance."""
-    distance = trace["distance"].values
-    return float(distance[-1] - distance[0])
+    return change(trace, "distance")
 
 
 def duration(trace: xarray.Dataset) -> float:
     """Return the time from the brake demand to the last sample [s]."""
-    time = trace["time"].values
-    return float(time[-1] - time[0])
+    return change(trace, "time")
 
 
 def mean_deceleration(trace: xarray.Dataset) -> float:
@@ -82,13 +80,14 @@ def energy_residual(trace: xarray.Dataset) -> float:
     Kinetic energy lost − heat in contacts, pads and dampers − work of resistance; near zero unless the plant
     errs.
     """
-    loss = -_change(trace, "kinetic_energy")
-    heat = sum(_change(trace, name) for name in ("contact_heat", "pad_heat", "damper_heat", "resistance_work"))
+    loss = -change(trace, "kinetic_energy")
+    heat = sum(change(trace, name) for name in ("contact_heat", "pad_heat", "damper_heat", "resistance_work"))
     start = float(trace["kinetic_energy"].values[0])
     return (loss - heat) / start if start > 0 else float("nan")
 
 
-def _change(trace: xarray.Dataset, name: str) -> float:
+def change(trace: xarray.Dataset, name: str) -> float:
+    """Return the change of a signal from the first sample to the last."""
     values = trace[name].values
     return float(values[-1] - values[0])
 

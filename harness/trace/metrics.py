@@ -204,7 +204,8 @@ class Metrics:
         combined="maximum")]
     disc_temperature_peak: Annotated[Each, Figure("K", "greatest disc temperature of each group",
         lambda stop: stop.maximum("disc_temperature"), extent="group", combined="maximum", better="less")]
-    air_used: Annotated[float, Figure("m3", "free air taken from the reservoir", lambda stop: air_used(stop.trace),
+    air_used: Annotated[float, Figure("m3", "free air taken from the reservoir",
+        lambda stop: measures.change(stop.trace, "air_used"),
         column="air", factor=1000, form="{:.0f} l", better="less", clause="reservoir", is_compared=True)]
     actuations: Annotated[Each, Figure("1",
         "valve strokes of each group; turns of the pressure command with ideal actuation",
@@ -411,12 +412,6 @@ def _to_tuples(value: Any) -> Any:
     if not isinstance(value, list):
         return float("nan") if value is None else value
     return tuple(_to_tuples(element) for element in cast("list[Any]", value))
-
-
-def air_used(trace: xarray.Dataset) -> float:
-    """Return the free air taken from the reservoir since the brake demand [m3]."""
-    air = trace["air_used"].values
-    return float(air[-1] - air[0])
 
 
 def actuations(trace: xarray.Dataset, actuation: str) -> tuple[int, ...]:

@@ -10,7 +10,7 @@ from synthetic import BRAKES, LOAD, parabola, uniform_stop
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace import measures
 from railgrip.trace.bound import brake_limit, regained_adhesion, with_bound
-from railgrip.trace.metrics import FIGURES, Metrics, actuations, air_used, measure
+from railgrip.trace.metrics import FIGURES, Metrics, actuations, measure
 
 TIME = uniform_stop()["time"].values
 
@@ -128,7 +128,7 @@ def test_pressure_reversals_are_counted_without_the_holds_between():
 
 
 def test_air_is_counted_from_the_demand():
-    assert air_used(uniform_stop(air_used=3.0 + 0.01 * TIME)) == pytest.approx(0.2)
+    assert measures.change(uniform_stop(air_used=3.0 + 0.01 * TIME), "air_used") == pytest.approx(0.2)
 
 
 def test_the_bound_is_the_minimum_of_rail_brake_and_limit():
