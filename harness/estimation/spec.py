@@ -38,10 +38,10 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, cast
+from typing import Annotated, Any, Literal, cast
 
 import xarray
-from pydantic import Field, PrivateAttr, StrictBool, model_validator
+from pydantic import Field, PrivateAttr, StrictBool
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.names import ElementName, did_you_mean, state_name
@@ -122,8 +122,7 @@ class ModelTable(Table):
     parameters: Parameters = Field(default={}, description="of the class; the others keep their defaults")
     outputs: list[str] | None = Field(default=None, description="outputs compared with readings; all unless given")
 
-    @model_validator(mode="after")
-    def _has_one_model(self) -> Self:
+    def _check(self) -> None:
         if self.class_ is None and self.train is None:
             raise table_error("names no model: give class = '…', or train = '…'")
         if self.train is not None and (self.library is not None or self.class_ not in (None, *CENTRAL)):
@@ -131,7 +130,6 @@ class ModelTable(Table):
                 f"has a train and the class {self.class_}, which is not for all trains; leave out class and library, "
                 f"or name {' or '.join(CENTRAL)}"
             )
-        return self
 
     @property
     def prediction(self) -> PredictionModel:
@@ -143,7 +141,7 @@ class ModelTable(Table):
         """
         if self.train is not None:
             return of_train(self.train, self.class_ or CENTRAL[0])
-        assert self.class_ is not None  # `_has_one_model` rejects a table without both
+        assert self.class_ is not None  # `_check` rejects a table without both
         return of_class(self.class_, self.library)
 
 
@@ -245,11 +243,9 @@ class Specification(Table):
         """Origin of each entry, as `given in run.toml` or `--set`, by its key, such as `noise.process.speed`."""
         return self._origins
 
-    @model_validator(mode="after")
-    def _has_one_track_force(self) -> Self:
+    def _check(self) -> None:
         if self.course is not None and self.data is not None and "track_force" in self.data.columns:
             raise table_error("has track_force in [data.columns] and [course], which computes it; remove one of them")
-        return self
 
     def source_scenario(self) -> SourceTable:
         """Return the scenario from which the recording is simulated.

@@ -16,9 +16,9 @@ pad_force = { column = "p1", unit = "bar", factor = "8 kN/bar", offset = -4.0, m
 track_force = { value = "0 N" }             # not measured, this value throughout
 """
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, StrictBool, StrictInt, field_validator, model_validator
+from pydantic import Field, StrictBool, StrictInt, field_validator
 
 from railgrip.base import units
 from railgrip.base.errors import UnitError
@@ -86,13 +86,11 @@ class Column(Table):
     )
     value: Magnitude | None = Field(default=None, description="instead of a column: this value throughout")
 
-    @model_validator(mode="after")
-    def _one_of_both(self) -> Self:
+    def _check(self) -> None:
         if (self.column is None) == (self.value is None):
             raise table_error("needs either column or value")
         if self.index is not None and self.group is None:
             raise table_error("has an index without a group")
-        return self
 
     @property
     def label(self) -> str:

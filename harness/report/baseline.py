@@ -39,7 +39,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, StrictInt, TypeAdapter, ValidationError, model_validator
+from pydantic import Field, StrictInt, TypeAdapter, ValidationError
 
 from railgrip.base.errors import RecordError, ScenarioError
 from railgrip.base.files import read_text, write_json, write_text
@@ -101,13 +101,11 @@ class AcceptedValue(Table):
     )
     figures: dict[str, AcceptedFigure] = Field(default={}, description="further figure → accepted value")
 
-    @model_validator(mode="after")
-    def _whole_range(self) -> Self:
+    def _check(self) -> None:
         if (self.lowest is None) != (self.highest is None):
             raise table_error("has one end of a range; give both lowest and highest, or neither")
         if not self.ends[0] <= self.value <= self.ends[1]:
             raise table_error(f"value {self.value:g} is not within lowest and highest")
-        return self
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -139,11 +137,9 @@ class Baseline(Table):
     )
     accepted: dict[str, AcceptedValue] = Field(default={}, description="name of a stop or figure → accepted value")
 
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
+    def _check(self) -> None:
         if [self.campaign, self.study, self.module].count(None) != 2:
             raise table_error("must have either campaign, the file of one, or study, the name of one, or module")
-        return self
 
     def selection(self, campaign: Campaign) -> Campaign:
         """Return the campaign with the stops that the baseline covers."""

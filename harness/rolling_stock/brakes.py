@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Final, Literal, Self
 
 import numpy as np
-from pydantic import Field, StrictBool, StrictInt, model_validator
+from pydantic import Field, StrictBool, StrictInt
 
 from railgrip.base import registry
 from railgrip.scenario.quantity import UnitRange
@@ -175,8 +175,7 @@ class SourcedTable(Table):
         default=False, description="true if all numbers are estimates, or the keys of those that are estimates"
     )
 
-    @model_validator(mode="after")
-    def _check_sources(self) -> Self:
+    def _check(self) -> None:
         if not self.source and self.estimated is False:
             raise table_error("has numbers without an origin: give source = '…', or estimated = true for your own")
         if isinstance(self.estimated, tuple):
@@ -188,7 +187,6 @@ class SourcedTable(Table):
                         name for name in type(self).model_fields if name not in SourcedTable.model_fields
                     )
                     raise table_error(f"calls '{key}' estimated, which it does not have; it has {choice}")
-        return self
 
 
 class Blocks(SourcedTable):
@@ -244,15 +242,13 @@ class BrakeUnit(SourcedTable):
         description="nominal friction coefficient of the pads; without one for blocks it is that of their law",
     )
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         if (self.pads is None) == (self.blocks is None):
             raise table_error("has pads and blocks, or neither: give pads = '…' (disc) or blocks = '…' (tread)")
         if (self.blocks is None) != (self.block_count is None):
             raise table_error("needs blocks and block_count together: the laws of blocks are over the force of one")
         if self.pads is not None and self.pad_friction is None:
             raise table_error("lacks pad_friction, the nominal friction of its pads")
-        return self
 
     @property
     def full_force(self) -> float:
@@ -327,14 +323,12 @@ class FadingBrake(DynamicBrake):
         """Return the maximum force of a number of brakes on axles with a static load [N]."""
         return units * self.force
 
-    @model_validator(mode="after")
-    def _fades_out(self) -> Self:
+    def _check(self) -> None:
         if self.speed_end >= self.speed_full:
             raise table_error(
                 f"has speed_end {3.6 * self.speed_end:g} km/h and speed_full {3.6 * self.speed_full:g} km/h; speed_end "
                 "must be lower than speed_full"
             )
-        return self
 
     def fade(self, speed: Any, within: Within = limit) -> Any:
         """Return the share of the force that is available at a speed [m/s]."""

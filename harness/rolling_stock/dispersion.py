@@ -1,8 +1,8 @@
 """Dispersion and failures of a brake's components, for K_dry of ETCS; each value with its source."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from railgrip.base.arrays import Array
 from railgrip.scenario.quantity import Magnitude, UnitRange
@@ -43,12 +43,10 @@ class _Dispersion(Table):
         except ValueError as problem:
             raise table_error(f"{name} of {self.quantity} {problem}") from problem
 
-    @model_validator(mode="after")
-    def _not_finer_than_it_is(self) -> Self:
+    def _check(self) -> None:
         finest = _FINEST.get(self.quantity, "unit")
         if EXTENTS.index(self.per) > EXTENTS.index(finest):
             raise table_error(f"{self.quantity} per {self.per}: there is one for each {finest} at most")
-        return self
 
 
 class Normal(_Dispersion):
@@ -57,12 +55,10 @@ class Normal(_Dispersion):
     kind: Literal["normal"] = Field(description="normal distribution")
     deviation: Magnitude = Field(description="standard deviation")
 
-    @model_validator(mode="after")
-    def _plausible(self) -> Self:
+    def _check(self) -> None:
         sigma = self._deviation("deviation")
         if sigma < 0 or (self.quantity != "pressure" and sigma > _WIDEST):
             raise table_error(f"deviation of {self.quantity} must be between 0 and {_WIDEST:g}, got {sigma:g}")
-        return self
 
     def of(self, standard: Array) -> Array:
         """Return deviations for standard normal numbers, as a share of nominal or in Pa."""
@@ -76,8 +72,7 @@ class Uniform(_Dispersion):
     lowest: Magnitude = Field(description="lower limit of the deviation")
     highest: Magnitude = Field(description="upper limit of the deviation")
 
-    @model_validator(mode="after")
-    def _plausible(self) -> Self:
+    def _check(self) -> None:
         lowest, highest = self._deviation("lowest"), self._deviation("highest")
         if lowest >= highest:
             raise table_error(f"lowest of {self.quantity}, {lowest:g}, must be below highest, {highest:g}")
@@ -85,7 +80,6 @@ class Uniform(_Dispersion):
             raise table_error(
                 f"{self.quantity} must stay within {_FARTHEST:g} of nominal, got {lowest:g} to {highest:g}"
             )
-        return self
 
     def of(self, standard: Array) -> Array:
         """Return deviations for standard normal numbers, as a share of nominal or in Pa."""

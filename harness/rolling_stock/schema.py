@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, PrivateAttr, StrictBool, StrictInt, model_validator
+from pydantic import AfterValidator, Field, PrivateAttr, StrictBool, StrictInt
 
 from railgrip.base.names import did_you_mean
 from railgrip.base.tables import TomlTable
@@ -252,14 +252,12 @@ class AirSupply(SourcedTable):
     compressor_on: AirPressure = Field(default=8.5e5, description="pressure below which compressors start")
     compressor_off: AirPressure = Field(default=1e6, description="pressure above which they stop")
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         if self.compressor_on >= self.compressor_off:
             raise table_error(
                 f"has compressor_on {self.compressor_on / 1e5:g} bar and compressor_off {self.compressor_off / 1e5:g} "
                 "bar; compressor_on must be lower"
             )
-        return self
 
 
 @dataclass(frozen=True, slots=True)
@@ -303,8 +301,7 @@ class Distributor(SourcedTable):
     )
     stage_time: LagTime | None = Field(default=None, description="time constant of the change between the stages")
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         keys = ("low_share", "speed_up", "speed_down", "stage_time")
         lacking = [key for key in keys if getattr(self, key) is None]
         if 0 < len(lacking) < len(keys):
@@ -316,7 +313,6 @@ class Distributor(SourcedTable):
                 f"has speed_down {3.6 * self.stages.speed_down:g} km/h and speed_up {3.6 * self.stages.speed_up:g} "
                 "km/h; speed_down must be lower than speed_up"
             )
-        return self
 
     @property
     def stages(self) -> Stages | None:
@@ -341,8 +337,7 @@ class LoadValve(SourcedTable):
         description="mass from which pressure_max (valve), or the whole rigging ratio (changeover) acts"
     )
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         if (self.kind == "valve") == (self.empty_mass is None):
             raise table_error("needs empty_mass with kind 'valve', and no empty_mass with kind 'changeover'")
         if self.empty_mass is not None and self.empty_mass >= self.full_mass:
@@ -350,7 +345,6 @@ class LoadValve(SourcedTable):
                 f"has empty_mass {self.empty_mass / 1e3:g} t and full_mass {self.full_mass / 1e3:g} t; empty_mass must "
                 "be lower than full_mass"
             )
-        return self
 
     def share(self, mass: float) -> float:
         """Return the share of the pressure or of the rigging for the mass of a car [kg]."""
@@ -425,8 +419,7 @@ class Bogie(SourcedTable):
     stiffness: Stiffness = Field(description="stiffness of the primary suspension of one axle")
     damping: Damping = Field(description="damping of the primary suspension of one axle")
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         if self.axles[0] != 0 or list(self.axles) != sorted(set(self.axles)):
             raise table_error("has axles whose positions do not start at 0 or do not increase")
         gap = self.wheelbase / (len(self.axles) - 1)
@@ -440,7 +433,6 @@ class Bogie(SourcedTable):
                 raise table_error(
                     f"has {len(self.axles)} axles and {count} {key}; give one value for all, or one for each"
                 )
-        return self
 
     @property
     def wheelbase(self) -> float:
@@ -692,8 +684,7 @@ class Train(Table):
     def __hash__(self) -> int:
         return hash(self.model_dump_json())
 
-    @model_validator(mode="after")
-    def _check_references(self) -> Self:
+    def _check(self) -> None:
         if (self.resistance is None) == (self.davis is None):
             raise table_error(
                 "needs one of [resistance] and [davis]: the running resistance by its causes, or by speed"
@@ -757,7 +748,6 @@ class Train(Table):
             )
         self._check_blending()
         self._check_air()
-        return self
 
     def _require_names(self, entry: Table, where: str) -> None:
         """Raise an error for a name in an entry, as in its key `coupler`, that is not in the table, as [couplers]."""

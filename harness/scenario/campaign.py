@@ -8,9 +8,9 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal, Self
+from typing import Annotated, Any, Final, Literal
 
-from pydantic import Field, StrictBool, model_validator
+from pydantic import Field, StrictBool
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.names import did_you_mean
@@ -60,11 +60,9 @@ class Draws(Table):
     match: dict[str, str] = Field(default={}, description="axis → variant of the stops that are drawn; all without it")
     traces: StrictBool = Field(default=False, description="whether their samples are kept, some 2 MB each")
 
-    @model_validator(mode="after")
-    def _in_order(self) -> Self:
+    def _check(self) -> None:
         if self.last < self.first:
             raise table_error(f"last is {self.last}, before first, {self.first}")
-        return self
 
     def seeds(self) -> range:
         """Return all seeds."""

@@ -5,11 +5,11 @@ from functools import lru_cache
 from itertools import cycle
 from math import inf, nan
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, cast
+from typing import Annotated, Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import ScenarioError
@@ -40,13 +40,11 @@ class PhaseEnd(Table):
     speed_below: Speed | None = optional("the train has no more than this")
     speed_above: Speed | None = optional("the train has this, or more")
 
-    @model_validator(mode="after")
-    def _one(self) -> Self:
+    def _check(self) -> None:
         if len(self.model_fields_set) != 1:
             raise table_error(
                 f"needs exactly one of {', '.join(type(self).model_fields)}, got {len(self.model_fields_set)}"
             )
-        return self
 
     @property
     def kind(self) -> Literal["time", "duration", "distance", "speed_below", "speed_above"]:
@@ -85,14 +83,12 @@ class StopAt(Table):
     deceleration: Deceleration = Field(description="of the curve; before it there is no demand")
     full_deceleration: Deceleration = Field(description="that the driver expects of full brake")
 
-    @model_validator(mode="after")
-    def _check_phases(self) -> Self:
+    def _check(self) -> None:
         if self.deceleration > self.full_deceleration:
             raise table_error(
                 f"deceleration {self.deceleration:g} m/s2 is above full_deceleration {self.full_deceleration:g} m/s2, "
                 "the most that the driver expects of the brakes"
             )
-        return self
 
 
 class Phase(Table):
@@ -116,12 +112,10 @@ class Phase(Table):
             raise table_error("is an empty list; give one pressure, or one for each group")
         return tuple("full" if value == "full" else _PRESSURE.read(value) for value in each)
 
-    @model_validator(mode="after")
-    def _one_demand(self) -> Self:
+    def _check(self) -> None:
         if (self.pressure is None) == (self.stop_at is None):
             wrong = "has neither" if self.pressure is None else "has both,"
             raise table_error(f"{wrong} pressure and stop_at; give one of them, pressure = 0 where nothing is braked")
-        return self
 
 
 class Demand(Table):
@@ -132,8 +126,7 @@ class Demand(Table):
         "a CSV with columns time, and pressure or pressure_1 … pressure_n; in s and Pa, or in stated units"
     )
 
-    @model_validator(mode="after")
-    def _one_source(self) -> Self:
+    def _check(self) -> None:
         if bool(self.phases) == (self.file is not None):
             raise table_error("needs either phases or the file of a profile")
         for number, phase in enumerate(self.phases, start=1):
@@ -142,7 +135,6 @@ class Demand(Table):
                 raise table_error(f"phases[{number}] {wrong} 'until'")
         if self.file is not None:
             self.profile()
-        return self
 
     @property
     def has_traction(self) -> bool:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Annotated, Any, Final, Literal
 
-from pydantic import Field, StrictInt, model_validator
+from pydantic import Field, StrictInt
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
@@ -39,7 +39,7 @@ class Fault(Table):
     begin: Delay = Field(default=0.0, description="since the start of the stop")
     end: Delay | None = optional("without it, the end of the stop")
 
-    _in_order = model_validator(mode="after")(ends_after_it_begins)
+    _check = ends_after_it_begins
 
     @property
     def lasts(self) -> bool:

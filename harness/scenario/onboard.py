@@ -3,10 +3,10 @@
 import math
 from collections.abc import Collection
 from fractions import Fraction
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, StrictBool, ValidationInfo, field_validator, model_validator
+from pydantic import Field, StrictBool, ValidationInfo, field_validator
 
 from railgrip.base import registry
 from railgrip.base.arrays import generator
@@ -87,8 +87,7 @@ class KalmanFilter(Table):
         default=0.0,
     )
 
-    @model_validator(mode="after")
-    def _one_prediction(self) -> Self:
+    def _check(self) -> None:
         if self.model is None and self.library is not None:
             raise table_error("has no model; name the class of the prediction")
         if self.model is not None and self.kind == "decentralised":
@@ -106,7 +105,6 @@ class KalmanFilter(Table):
                 f"file: the code of {self.file.entry} would run in this process; if you know where it comes from, "
                 "set trust = true"
             )
-        return self
 
 
 def _estimators() -> dict[str, type[Table]]:

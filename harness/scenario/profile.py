@@ -1,9 +1,9 @@
 """The table [adhesion]: the kinds of friction profile that a scenario may have."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from railgrip.base import registry
 from railgrip.base.arrays import Array
@@ -84,27 +84,17 @@ class _Profile(Table):
     sand: Sand | None = optional("effect of sand on friction; required with [[sanders]]")
     patch: tuple[Patch, ...] = optional("places of other friction, of a profile over distance", default=())
 
-    @model_validator(mode="after")
-    def _check_calibration(self) -> Self:
+    def _check(self) -> None:
         known = {*registry.files(registry.CREEP_CURVES), *(curve.name for curve in self.curves)}
         if unknown := sorted(self.calibrated.keys() - known):
             raise table_error(f"calibrated has a factor for {not_in(sorted(known), unknown[0])}")
-        return self
-
-    @model_validator(mode="after")
-    def _one_source(self) -> Self:
         if self.conditioning is not None and len(set(getattr(self, "mu0", ()))) > 1:
             raise table_error("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
-        return self
-
-    @model_validator(mode="after")
-    def _one_steel(self) -> Self:
         if len({(curve.temperature_loss, curve.recovery) for curve in self.curves}) > 1:
             raise table_error(
                 "has creep curves of different temperature_loss or recovery, which are one for the whole rail; "
                 "give all curves the same"
             )
-        return self
 
     @property
     def cleaning(self) -> Recovery | None:
@@ -183,14 +173,12 @@ class Leaves(_Profile):
         first, *others = super().curves
         return tuple(dict.fromkeys((first, *of_patches, *others)))
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         for low, high in (("shortest", "longest"), ("minimum", "maximum")):
             if getattr(self, low) > getattr(self, high):
                 raise table_error(f"{low} {getattr(self, low):g} is above {high} {getattr(self, high):g}")
         if self.longest <= 0:
             raise table_error("longest must be above 0 m, got 0")
-        return self
 
 
 class _Varying(_Profile):
@@ -241,8 +229,7 @@ class Trapezoid(_Varying):
     def _lowest_around(self) -> float:
         return self.minimum
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         self._check_extents("first_fall", "period", "low", "ramp", zero=("first_fall", "low"))
         if self.minimum > self.maximum:
             raise table_error(f"minimum {self.minimum:g} is above maximum {self.maximum:g}")
@@ -251,7 +238,6 @@ class Trapezoid(_Varying):
             raise table_error(
                 f"low and two ramps take {width:g} {self.unit}, longer than period {self.extent('period'):g}"
             )
-        return self
 
 
 class SineSweep(_Varying):
@@ -277,14 +263,12 @@ class SineSweep(_Varying):
         unit = "Hz" if self.over == "time" else "1/m"
         return self._si("frequency", self.start_frequency, unit), self._si("frequency", self.end_frequency, unit)
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         self._check_extents("sweep")
         if min(self.frequencies) <= 0:
             raise table_error(f"frequencies must be above 0, got {self.frequencies}")
         if self.amplitude >= self.mean:
             raise table_error(f"amplitude {self.amplitude:g} reaches mean {self.mean:g}: friction must stay above 0")
-        return self
 
 
 class Random(_Varying):
@@ -301,14 +285,12 @@ class Random(_Varying):
     def _lowest_around(self) -> float:
         return self.minimum
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         self._check_extents("correlation")
         if not self.minimum <= self.mean <= self.maximum:
             raise table_error(
                 f"mean {self.mean:g} is not between minimum {self.minimum:g} and maximum {self.maximum:g}"
             )
-        return self
 
 
 _ORIGIN = (
@@ -348,8 +330,7 @@ class Points(_Varying):
     def _axis(self) -> Array:
         return np.array([self._si("points", place, self.unit) for place, _ in self.points])
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         places = self.places
         if self.origin is not None and self.over == "time":
             raise table_error("has an origin, which is a place on the rail, and runs over time; leave origin out")
@@ -361,7 +342,6 @@ class Points(_Varying):
             self._check_extents("correlation")
         elif self.scatter:
             raise table_error("has scatter and no correlation, over which that changes")
-        return self
 
 
 class FromTable(_Profile):
@@ -374,14 +354,12 @@ class FromTable(_Profile):
 
     origin: Chainage | None = optional(_ORIGIN)
 
-    @model_validator(mode="after")
-    def _readable(self) -> Self:
+    def _check(self) -> None:
         curve = self.curve
         if curve.values.shape[1] > 1 and self.conditioning is not None:
             raise table_error(
                 f"{self.file.entry} gives mu0 for each wheelset, and conditioning makes it from the first's"
             )
-        return self
 
     @property
     def _lowest_around(self) -> float:

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from fractions import Fraction
 from typing import Annotated, Any, Final, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.base.tables import TomlTable
@@ -109,8 +109,7 @@ class Scenario(Table):
     )
     truth: Truth = optional(default=Truth())
 
-    @model_validator(mode="after")
-    def _tables_fit_together(self) -> Self:
+    def _check(self) -> None:
         if self.sanders and self.adhesion.sand is None:
             raise table_error("[[sanders]] needs [adhesion.sand], the effect of sand on friction: mu0, density, left")
         if self.demand is not None and self.controller.kind == "ideal_bound":
@@ -158,13 +157,12 @@ class Scenario(Table):
                 f"[limits] horizon {self.horizon:g} s is shorter than {_FEWEST_PERIODS} periods of [periods] "
                 f"{slowest}, {period:g} s each; give a longer horizon or a shorter period"
             )
-        return self
+        self._require_one_chainage()
 
-    @model_validator(mode="after")
-    def _is_at_one_chainage(self) -> Self:
+    def _require_one_chainage(self) -> None:
         adhesion, line = self.adhesion, self.track.line
         if line is None or line.is_gpx or not isinstance(adhesion, Points | FromTable) or adhesion.origin is None:
-            return self
+            return
         places = [(adhesion.origin, adhesion.direction or line.direction), (line.origin, line.direction)]
         if places[0] != places[1]:
             file = f" file {adhesion.file.entry}" if isinstance(adhesion, FromTable) else ""
@@ -175,7 +173,6 @@ class Scenario(Table):
                 "one chainage and runs one way; correct origin or direction, or reverse the order of the points of "
                 "friction"
             )
-        return self
 
     @property
     def _longest_step(self) -> float:

@@ -82,7 +82,7 @@ class Sander(Table):
         UnitRange("s", between=(1e-3, 600), or_zero=True, usual=(0.02, 10.0), because="sand falls a metre"),
     ] = Field(description="that sand takes from the box to the rail, after both")
 
-    _in_order = model_validator(mode="after")(ends_after_it_begins)
+    _check = ends_after_it_begins
 
 
 class SlipEnergy:

@@ -5,7 +5,7 @@ The keys of a table may depend on its kind: there is a built-in class for each k
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, cast, get_args
+from typing import Annotated, Any, Self, cast, get_args
 
 from pydantic import (
     AfterValidator,
@@ -18,6 +18,7 @@ from pydantic import (
     PlainValidator,
     StrictInt,
     ValidationInfo,
+    model_validator,
 )
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
@@ -138,20 +139,27 @@ def one_of(names: Collection[str], between: str = ", ") -> AfterValidator:
     return AfterValidator(known)
 
 
-def ends_after_it_begins(table: Any) -> Any:
-    """Return a table with `begin` and `end`, None for the end of the stop.
-
-    Raise an error if they are in reverse order.
-    """
+def ends_after_it_begins(table: Any) -> None:
+    """Raise an error for a table whose `begin` and `end`, None for the end of the stop, are in reverse order."""
     if table.end is not None and table.end <= table.begin:
         raise table_error(f"end {table.end:g} s is not after begin {table.begin:g} s")
-    return table
 
 
 class Table(BaseModel):
-    """A table of the file: frozen, and without unknown keys."""
+    """A table of the file: frozen, and without unknown keys.
+
+    A class and each of its bases may have a method `_check`, which raises `table_error` for values that do not fit
+    together; that of a base is called first.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _check_all(self) -> Self:
+        for kind in reversed(type(self).__mro__):
+            if check := vars(kind).get("_check"):
+                check(self)
+        return self
 
 
 def _map_entry(entry: Any) -> Any:

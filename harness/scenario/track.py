@@ -5,11 +5,11 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from railgrip.base.units import GRAVITY
 from railgrip.scenario.curve import Direction, LineProfile, read_line
@@ -95,8 +95,7 @@ class Plan(Table):
     start: Length = Field(description="distance at which the train is when the run begins")
     direction: Literal["forward", "backward"] = Field(description="of travel along the distance of the plan")
 
-    @model_validator(mode="after")
-    def _check_alignment(self) -> Self:
+    def _check(self) -> None:
         if any(0 < abs(radius) < TIGHTEST_RADIUS for _, radius in self.course):
             raise table_error(
                 f"course: a radius is 0, for straight track, or at least {TIGHTEST_RADIUS:g} m either way"
@@ -107,7 +106,6 @@ class Plan(Table):
             raise table_error(f"grades: {problem}") from problem
         if self.start > course.length:
             raise table_error(f"start {self.start:g} m is beyond the end of the track, {course.length:g} m")
-        return self
 
     def alignment(self) -> "TrackAlignment":
         """Return the alignment of the track."""
@@ -143,8 +141,7 @@ class TrackLine(Table):
     origin: Chainage = Field(description="chainage of the leading wheelset at the start of the run")
     direction: Direction = Field(description="of the chainages in the direction of travel")
 
-    @model_validator(mode="after")
-    def _check_place(self) -> Self:
+    def _check(self) -> None:
         first, last = self.ends
         if not first <= 0.0 < last:
             low, high = sorted(self.origin + self.way * end for end in (first, last))
@@ -152,7 +149,6 @@ class TrackLine(Table):
                 f"origin {self.origin:g} m in direction '{self.direction}' does not lie on {self.file.entry}, or at "
                 f"its end: the line is from {low:g} m to {high:g} m"
             )
-        return self
 
     @property
     def is_gpx(self) -> bool:
@@ -214,8 +210,7 @@ class Track(Table):
         description="mass that gradient and curves act on; required only for a plant that does not give its mass",
     )
 
-    @model_validator(mode="after")
-    def _one_course_in_order(self) -> Self:
+    def _check(self) -> None:
         if self.plan is not None and (self.gradient or self.curve):
             raise table_error("has a plan, which has all gradients and curves, as well as gradient or curve; keep one")
         if self.line is not None and (self.gradient or self.plan is not None):
@@ -227,7 +222,6 @@ class Track(Table):
         tightest = min((section.radius for section in self.curve if section.radius), default=math.inf)
         if self.curve_law == "roeckl" and tightest < 300:
             raise table_error(f"curve_law 'roeckl' holds for a radius of 300 m and more, got {tightest:g} m")
-        return self
 
     @property
     def is_inclined_or_curved(self) -> bool:

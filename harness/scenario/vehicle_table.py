@@ -1,7 +1,7 @@
 """The tables [vehicle] and [start]: the plant, its parameters, and the initial speed."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 from pydantic import (
     Field,
@@ -12,7 +12,6 @@ from pydantic import (
     ValidationInfo,
     field_serializer,
     field_validator,
-    model_validator,
 )
 from pydantic_core import PydanticCustomError
 
@@ -189,15 +188,13 @@ class Vehicle(Table):
     def _as_written(self, plant: str | NamedFile | None) -> str | None:
         return plant.entry if isinstance(plant, NamedFile) else plant
 
-    @model_validator(mode="after")
-    def _one_plant(self) -> Self:
+    def _check(self) -> None:
         if (self.model is None) != (self.library is None):
             raise table_error("a user's Modelica class needs both 'model' and the 'library' that contains it")
         plants = sum(source is not None for source in (self.plant, self.model, self.train))
         if plants != 1:
             wrong = "has two plants" if plants else "has no plant"
             raise table_error(f"{wrong}; give 'plant', or 'model' and 'library' of your Modelica class, or 'train'")
-        return self
 
     @property
     def source(self) -> Source:
@@ -208,7 +205,7 @@ class Vehicle(Table):
             return LibraryClass(self.model, self.library)
         if isinstance(self.plant, NamedFile):
             return FmuFile(self.plant)
-        assert self.plant is not None  # `_one_plant` rejects a table without a plant
+        assert self.plant is not None  # `_check` rejects a table without a plant
         return PythonClass(self.plant) if _is_class(self.plant) else RecipePlant(self.plant)
 
 

@@ -10,10 +10,10 @@ Source: Pachl, Railway Operation and Control (2002), section 4.2; Hansen and Pac
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Self
+from typing import Annotated
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from railgrip.base.arrays import Vector
 from railgrip.scenario.quantity import UnitRange
@@ -73,8 +73,7 @@ class SignallingLayout(Table):
     deceleration: Deceleration = Field(description="deceleration of the trains before restrictions and stops")
     times: SignallingTimes = Field(description="times and margins of the signalling")
 
-    @model_validator(mode="after")
-    def _in_order(self) -> Self:
+    def _check(self) -> None:
         places = {
             "speed": [section.begin for section in self.speed],
             "gradient": [section.begin for section in self.gradient],
@@ -86,7 +85,6 @@ class SignallingLayout(Table):
                 raise table_error(f"{key} must be at rising locations, got {locations}")
         if any(np.diff(places["stop"]) < 2 * _GRID):
             raise table_error(f"stop: stations must be at least {2 * _GRID:g} m apart, got {places['stop']}")
-        return self
 
     def limit(self, rear: Vector, front: Vector) -> Vector:
         """Return the lowest permitted speed under trains, from their rear ends to their front ends [m/s]."""

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import UnitRange, quantities
@@ -19,11 +19,9 @@ class LowAdhesion(Table):
     begin: Length = Field(description="location at which it begins")
     end: Length = Field(description="location at which it ends")
 
-    @model_validator(mode="after")
-    def _in_order(self) -> Self:
+    def _check(self) -> None:
         if self.end <= self.begin:
             raise table_error(f"end {self.end:g} m is not behind begin {self.begin:g} m")
-        return self
 
 
 class Target(Table):
@@ -35,14 +33,12 @@ class Target(Table):
     at: Length = Field(description="location")
     speed: StepSpeed = Field(default=0.0, description="target speed of LoA and MRSP")
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         if (self.kind in ("EoA", "SvL")) != (self.speed == 0):
             raise table_error(
                 f"a target of kind {self.kind} has speed {3.6 * self.speed:g} km/h; EoA and "
                 f"SvL have 0, LoA and MRSP more"
             )
-        return self
 
     @property
     def name(self) -> str:
@@ -70,8 +66,7 @@ class Line(Table):
         default=None, description="location of the last balise group before the EoA, for a calculated release speed"
     )
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         begins = [gradient.begin for gradient in self.gradient]
         if begins != sorted(set(begins)):
             raise table_error(f"gradient must begin at rising locations, got {begins}")
@@ -95,7 +90,6 @@ class Line(Table):
                 raise table_error(
                     f"target: {target.name} is not below the permitted speed of {3.6 * self.speed:g} km/h"
                 )
-        return self
 
     def only(self, kind: str) -> Target:
         """Return the target of kind EoA or SvL of a line with a release speed, which has one of each."""

@@ -1,10 +1,10 @@
 """The braking model of a train: a TOML file of its own, or what follows from a train file."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, StrictBool, model_validator
+from pydantic import Field, StrictBool
 
 from railgrip.rolling_stock.schema import BrakePosition
 from railgrip.scenario.quantity import UnitRange
@@ -84,8 +84,7 @@ class TrainData(Table):
         default=None, description="M_rotating_nom as a share of the mass; 2 % downhill and 15 % uphill unless given"
     )
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         given = [key for key in _CURVES if getattr(self, key) not in (None, ())]
         if self.brake_percentage is None and len(given) < len(_CURVES):
             lacking = ", ".join(key for key in _CURVES if key not in given)
@@ -103,7 +102,6 @@ class TrainData(Table):
         for name in ("emergency", "service", "normal_service", "kn"):
             if rows := getattr(self, name):
                 require_rising(name, [row.above for row in rows])
-        return self
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -1,9 +1,9 @@
 """National values: a TOML file with the names of SUBSET-026, whose defaults are those of A.3.2."""
 
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated
 
-from pydantic import Field, StrictBool, StrictInt, model_validator
+from pydantic import Field, StrictBool, StrictInt
 
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import UnitRange
@@ -62,8 +62,7 @@ class NationalValues(Table):
     A_NVMAXREDADH2: Deceleration = Field(default=0.7, description="maximum on reduced adhesion, other passenger trains")
     A_NVMAXREDADH3: Deceleration = Field(default=0.7, description="maximum on reduced adhesion, freight trains")
 
-    @model_validator(mode="after")
-    def _check_steps(self) -> Self:
+    def _check(self) -> None:
         for name in ("M_NVKRINT", "M_NVKVINT_freight", "M_NVKVINT_passenger"):
             require_rising(name, [row[0] for row in getattr(self, name)])
         differ = any(a != b for _, a, b in self.M_NVKVINT_passenger)
@@ -72,7 +71,6 @@ class NationalValues(Table):
                 "M_NVKVINT_passenger has two factors for a speed, between which A_NVP12 and A_NVP23 decide: give both, "
                 "A_NVP12 below A_NVP23"
             )
-        return self
 
 
 def require_rising(name: str, starts: list[float]) -> None:

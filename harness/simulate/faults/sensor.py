@@ -1,9 +1,9 @@
 """Faults of sensors, and missing teeth of pole wheels."""
 
 from collections.abc import Sequence
-from typing import Literal, Self
+from typing import Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from railgrip.base.arrays import generator
 from railgrip.base.errors import ScenarioError
@@ -21,14 +21,12 @@ class _SensorFault(Fault):
     group: Place | None = optional("from 1 on; without it all groups")
     wheelset: Place | None = optional("in place of `group`, of a deflection sensor; without it all")
 
-    @model_validator(mode="after")
-    def _has_such_a_place(self) -> Self:
+    def _check(self) -> None:
         key = {"radar": None, "accelerometer": None, "deflection_sensor": "wheelset"}.get(self.part, "group")
         for name in ("group", "wheelset"):
             if getattr(self, name) is not None and name != key:
                 choice = "no place: there is one" if key is None else f"'{key}'"
                 raise table_error(f"has '{name}', but {self.part} takes {choice}")
-        return self
 
     def _change_readings(self, site: Site, kind: ReadingKind, value: float = 0.0) -> None:
         at = site.layout.reading[READ_BY[self.part]]

@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, StrictBool, StrictInt, model_validator
+from pydantic import Field, StrictBool, StrictInt
 
 from railgrip.base.arrays import generator, markov
 from railgrip.base.errors import ScenarioError
@@ -60,12 +60,10 @@ class SpeedSensor(Table):
     )
     dropout_time: Duration | None = optional("mean length of a drop-out")
 
-    @model_validator(mode="after")
-    def _times(self) -> Self:
+    def _check(self) -> None:
         for name, time in (("drift", self.drift_time), ("dropouts", self.dropout_time)):
             if bool(getattr(self, name)) != (time is not None):
                 raise table_error(f"{name} and {name.removesuffix('s')}_time belong together; give both or neither")
-        return self
 
 
 class Accelerometer(Table):

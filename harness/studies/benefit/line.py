@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Mapping
 from math import isclose, isfinite
 from pathlib import Path
-from typing import Annotated, Self, cast
+from typing import Annotated, cast
 
-from pydantic import Field, StrictBool, model_validator
+from pydantic import Field, StrictBool
 
 from railgrip.base.errors import InputError
 from railgrip.base.names import did_you_mean
@@ -39,8 +39,7 @@ class Measure(Table):
     )
     train: TomlTable = Field(default={}, description="tables of the train file, unless the train has its own")
 
-    @model_validator(mode="after")
-    def _leaves_stops_alike(self) -> Self:
+    def _check(self) -> None:
         adhesion = self.scenario.get("adhesion", {})
         if not isinstance(adhesion, Mapping):
             raise table_error(f"scenario.adhesion is {short(adhesion)}, but a table is expected, as in a scenario file")
@@ -51,7 +50,6 @@ class Measure(Table):
         taken += ["adhesion.level"] if "level" in adhesion else []
         if taken:
             raise table_error(f"scenario has {', '.join(taken)}, which is the same with and without a measure; omit it")
-        return self
 
 
 def _odd_values(key: str, entry: object) -> Iterator[str]:
@@ -94,8 +92,7 @@ class LineOfStudy(SignallingLayout):
     national: NationalValues = Field(default=NationalValues(), description="national values, as in their file")
     measure: dict[Name, Measure] = Field(default={}, description="further measures, by name")
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check(self) -> None:
         total = sum(rail.probability for rail in self.rail)
         if not isclose(total, 1.0, abs_tol=1e-6):
             raise table_error(f"rail: the probabilities add up to {total:g}; they must add up to 1")
@@ -109,7 +106,6 @@ class LineOfStudy(SignallingLayout):
         labels = [rail.name for rail in self.rail]
         if len(set(labels)) < len(labels):
             raise table_error("rail: two rails have the same season and weather")
-        return self
 
 
 def load_study_line(entry: Path) -> LineOfStudy:
