@@ -194,7 +194,7 @@ def commands(folder, laws):
         "run": ["run", str(folder / "wagon.toml"), *short],
         "campaign": ["campaign", str(folder / "campaign.toml"), "--workers", "1", *short],
         "conditioning": ["tools", "conditioning", str(folder / "conditioning.toml"), "--workers", "1", *repeats],
-        "estimate": ["estimate", str(LIBRARY / "wagon.toml"), "--scenario", str(folder / "wagon.toml")],
+        "estimate": ["estimate", str(LIBRARY / "wagon.toml"), "--scenario", str(folder / "wagon.toml"), "--json"],
         "observability": ["observability", str(LIBRARY / "wagon.toml"), "--scenario", str(folder / "wagon.toml")],
     }
 
@@ -206,8 +206,11 @@ def test_commands_import_from_the_folders_on_their_command_line(name, laws, tmp_
     arguments = [*commands(tmp_path, laws)[name], "--out", str(tmp_path / "out")]
     assert command(*arguments).refuses("a class that a file names comes from a folder")
     assert not (tmp_path / "imported").exists()
-    command(*arguments, "--import-from", ".")
+    ended = command(*arguments, "--import-from", ".")
     assert (tmp_path / "imported").exists()
+    if name == "estimate":
+        units = {each["state"]: each["unit"] for each in json.loads(ended.out)["states"]}
+        assert (units["group_adhesion"], units["wheelset_speed[1]"]) == ("1", "rad/s")
 
 
 # Values in a wrong unit, and out of range

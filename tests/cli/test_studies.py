@@ -76,6 +76,7 @@ def test_a_case_runs_once_whatever_its_values(study_work):
     scenario = load(Path("trapezoid"))
     cases = [
         Case(1.0), Case(2.0), Case(1.0, Path("here")), scenario, scenario.model_copy(update={"seed": 2}), "1.0",
+        scenario.limits,
         {"a": np.zeros(3)}, {"a": np.zeros((3, 1))}, {"a": np.ones(3)}, (1, None),
     ]  # fmt: skip
     first = study_work.map(counted, [*cases, *cases])

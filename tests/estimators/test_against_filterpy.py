@@ -1,5 +1,7 @@
 """Filters, sigma points, smoother and reference estimators against filterpy and closed forms."""
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -27,7 +29,7 @@ from railgrip.estimators.filters.force_balance import ForceBalanceEstimator
 from railgrip.estimators.filters.interacting import InteractingFilters
 from railgrip.estimators.filters.iterated import IteratedKalmanFilter
 from railgrip.estimators.filters.moving_horizon import HorizonFilter, MovingHorizonEstimator
-from railgrip.estimators.filters.particle import ParticleFilter, systematic_resample
+from railgrip.estimators.filters.particle import PARTICLES, ParticleFilter, systematic_resample
 from railgrip.estimators.filters.sage_husa import SageHusaFilter
 from railgrip.estimators.filters.unscented import ALPHA, BETA, UnscentedKalmanFilter
 from railgrip.estimators.observability import linearised_bound, posterior_bound
@@ -373,6 +375,20 @@ def wheel_context(prediction):
         mean=np.array([30.0, 30.0 / 0.38, 0.35, 0.02]),
         covariance=np.diag([1e-2, 1e-1, 1e-12, 1e-3]),
     )
+
+
+def test_particles_of_a_known_pad_friction_are_one_kalman_filter(wheel):
+    """Pad friction is the sampled state of a train; with hardly any variance each particle has the same belief."""
+    context = wheel_context(wheel)
+    context = replace(context, process_noise=context.process_noise * [1, 1, 1e-8, 1])
+    particles, single = (kind.of_context(context) for kind in (ParticleFilter, ExtendedKalmanFilter))
+    assert len(particles.weights) == PARTICLES
+    for speed in np.linspace(30.0, 29.5, 50):
+        for each in (particles, single):
+            each.inputs[:], each.readings[:] = [9000.0], [speed, speed / 0.38]
+            each.advance()
+    assert particles.mean == pytest.approx(single.mean, rel=1e-4)
+    assert particles.weights == pytest.approx(1.0 / PARTICLES, rel=1e-2)
 
 
 @pytest.fixture(params=[ForceBalanceEstimator, DisturbanceEstimator])

@@ -20,6 +20,7 @@ from railgrip.estimation.models import model_of
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import estimate_of, load_specification
 from railgrip.fmus.build import fmu
+from railgrip.scenario.file import locate
 from railgrip.simulate.estimator import RELEASED_PADS
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.estimators import replay as own_replay
@@ -501,6 +502,13 @@ def test_another_train_has_its_recordings_estimators_and_folder(short):
     study = Estimators(train="tram", estimator=["fmu"])
     assert study.place == "tram"
     assert Estimators().place == ""
+
+
+def test_a_train_is_one_of_the_library_or_a_file(tmp_path):
+    file = tmp_path / "own.toml"
+    file.write_bytes(locate("tram", "trains").read_bytes())
+    names = [Estimators(train=train)._train() for train in (None, "tram", str(file))]
+    assert names == ["", "tram", str(file.resolve())]
 
 
 def test_a_filter_of_another_vehicle_has_the_errors_of_its_estimation(tmp_path):

@@ -89,7 +89,9 @@ def test_the_page_compares_systems_on_the_same_draws(monkeypatch):
     monkeypatch.setattr(
         module, "stop_row", lambda case: {"error": 0.01 * factors[case[0]] * (case[2].seed - TEST_SEED + 1)} | rest
     )
-    page = StopAtTarget(draws=100, sets=0).page(SimpleNamespace(map=lambda run, cases: [run(case) for case in cases]))
+    work = SimpleNamespace(map=lambda run, cases: [run(case) for case in cases])
+    assert StopAtTarget(draws=1, sets=0).page(work).answer.endswith("there are too few draws on slippery rails.")
+    page = StopAtTarget(draws=100, sets=0).page(work)
     answers = page.values["answers"]
     better = "to that of the better baseline, deceleration control, is "
     assert f"{better}0.10 [0.10, 0.10]; the aim of a third is reached" in answers["with magnets"]
