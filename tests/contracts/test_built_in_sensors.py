@@ -4,11 +4,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-from pydantic.fields import FieldInfo
 
 import railgrip as rg
 from railgrip.base import registry
-from railgrip.scenario.keys import entries_of
 from railgrip.scenario.load import read_toml
 from railgrip.scenario.onboard import SensorModel
 from railgrip.vehicle.signals import READINGS
@@ -17,17 +15,6 @@ KINDS = {name: registry.part(registry.SENSORS, name, SensorModel) for name in re
 FILES = [*registry.shelf("equipment").values(), *registry.shelf("scenarios").values()]
 FOR_PLAIN = {"white": {"kind": "white", "noise": {"speed": "0.1 m/s"}, "bias": {"acceleration": "0.05 m/s**2"}}}
 """Tables for the train of `plain`, of kinds that the package has only with quantities of other trains."""
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_each_kind_and_each_of_its_keys_has_a_meaning(kind):
-    where = f"harness/simulate/sensors/{kind}.py"
-    assert registry.meanings("sensors")[kind], f"{where}: begin the docstring with its meaning, for `railgrip list`"
-    fields = [(key, entry) for key, entry in entries_of(KINDS[kind], "") if isinstance(entry, FieldInfo)]
-    entries = {key: entry for key, entry in fields if key != "kind"}
-    tables = {key.rpartition(".")[0] for key in entries}  # their class has a docstring
-    nameless = [key for key, entry in entries.items() if not entry.description and key not in tables]
-    assert not nameless, f"{where}: give Field(description=…) to {', '.join(nameless)}, for the reference of scenarios"
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -35,17 +35,11 @@ controller = "abc"
 """
 
 
-@pytest.fixture
-def campaign(tmp_path, write_campaign):
-    write_campaign(tmp_path, text=CAMPAIGN)
-    return tmp_path
-
-
-@pytest.fixture
-def stop(tmp_path):
-    stop = stop_with()
-    write_stop(stop, tmp_path / "stop")
-    return tmp_path / "stop"
+@pytest.fixture(scope="module")
+def stop(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("results") / "stop"
+    write_stop(stop_with(), folder)
+    return folder
 
 
 def test_a_stop_loads_as_it_was_written(stop):
@@ -60,13 +54,13 @@ def test_a_stop_loads_as_it_was_written(stop):
     assert frame.attrs["units"]["speed"] == "m/s"
 
 
-def test_a_campaign_loads_over_its_axes_without_excluded_stops(campaign):
-    loaded = rg.load(campaign)
+def test_a_campaign_loads_over_its_axes_without_excluded_stops(folder):
+    loaded = rg.load(folder)
     assert isinstance(loaded, Sweep)
     frame = loaded.to_pandas()
     assert frame.index.names == ["scenario", "controller", "start.speed"]
     assert len(frame) == 3
-    for stop in read_results(campaign).stops:
+    for stop in read_results(folder).stops:
         place = tuple(stop.variants[axis] for axis in frame.index.names)
         assert frame.loc[place, "distance"] == stop.metrics.distance
     grid = loaded.to_xarray()["distance"]
@@ -84,13 +78,13 @@ def test_a_sweep_is_indexed_by_its_parameter():
     assert len(Sweep({}, results[:1]).to_pandas()) == 1
 
 
-def test_a_table_is_printed_and_written_with_units(campaign, stop, capfd, tmp_path):
+def test_a_table_is_printed_and_written_with_units(folder, stop, capfd, tmp_path):
     def run(*arguments):
         assert exit_code("table", *arguments) == 0
         return capfd.readouterr().out
 
-    printed = pandas.read_csv(io.StringIO(run(campaign)))
-    assert printed["distance [m]"].tolist() == pytest.approx(rg.load(campaign).to_pandas()["distance"].tolist())
+    printed = pandas.read_csv(io.StringIO(run(folder)))
+    assert printed["distance [m]"].tolist() == pytest.approx(rg.load(folder).to_pandas()["distance"].tolist())
     assert printed["controller"].tolist() == ["sbc", "sbc", "abc"]
     for name, read in (("stop.csv", pandas.read_csv), ("stop.parquet", pandas.read_parquet)):
         run(stop, "--out", tmp_path / name)

@@ -17,21 +17,21 @@ PUBLISHED = {
 }
 
 
+KEPT = {"slip_two_state", "slip_three_state_read", "adhesion_literal", "adhesion_based", "ideal_bound"}
+
+
+def kept(stop):
+    return stop.variants["controller"] in KEPT
+
+
 @pytest.fixture(scope="module")
-def frame(tmp_path_factory, write_campaign):
-    kept = {"slip_two_state", "slip_three_state_read", "adhesion_literal", "adhesion_based", "ideal_bound"}
-    folder = tmp_path_factory.mktemp("overview")
-    write_campaign(folder, lambda stop: stop.variants["controller"] in kept)
+def frame(folder):
     return frame_of(read_results(folder))
 
 
 def at(frame, controller, case, equipment="ideal"):
-    return next(
-        row
-        for row in frame.itertuples()
-        if (row.controller, row.scenario.replace("_", " ")) == (controller, case)
-        and row.case == f"equipment {equipment}"
-    )
+    named = {"controller": controller, "scenario": case.replace(" ", "_"), "case": f"equipment {equipment}"}
+    return next(frame[(frame[[*named]] == [*named.values()]).all(axis=1)].itertuples())
 
 
 def test_published_distances_precede_those_of_the_same_law(frame):

@@ -8,7 +8,6 @@ from synthetic import TWO_PART_TRAIN
 
 import railgrip.scenario
 from railgrip.base.errors import ScenarioError
-from railgrip.estimation.spec import load_specification
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
@@ -41,12 +40,8 @@ def test_the_content_of_a_file_that_is_not_toml_is_not_printed(tmp_path, monkeyp
     assert "hunter2" not in refusal(load, path, [change])
 
 
-def test_a_file_of_another_kind_is_refused_with_its_command(tmp_path):
-    campaign = SCENARIOS / "campaigns" / "table1.toml"
-    sentence = "table1.toml: is a file of the kind campaign; use `railgrip campaign table1.toml`"
-    assert refusal(load, campaign) == sentence
-    assert refusal(load_campaign, TRAPEZOID).endswith("use `railgrip run trapezoid.toml`")
-    assert refusal(load_specification, TRAPEZOID).endswith("use `railgrip run trapezoid.toml`")
+def test_a_file_of_another_kind_is_refused_with_its_command():
+    """Here an estimation; tests/cli/test_command_line.py has scenarios and campaigns."""
     wagon = SCENARIOS.parent / "estimation" / "library" / "wagon.toml"
     assert refusal(load, wagon).endswith("use `railgrip estimate wagon.toml`")
 
