@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
@@ -116,5 +116,5 @@ def survey_table(rows: Frame) -> ReportTable:
     return ReportTable.of_frame(found.drop(columns="order"), left=("tool", "FMI", why))
 
 
-def _counted(reasons: "pandas.Series[str]") -> str:
+def _counted(reasons: Iterable[str]) -> str:
     return "; ".join(f"{count} {reason}" for reason, count in Counter(filter(None, reasons)).most_common())

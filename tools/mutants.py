@@ -19,7 +19,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from fnmatch import fnmatch
@@ -249,8 +249,8 @@ def write_page(results: pandas.DataFrame) -> None:
 _CHECKED = ("mutant", "function", "independent test", "fails")
 
 
-def _joined(texts: "pandas.Series[str]") -> str:
-    return "; ".join(texts.dropna())
+def _joined(texts: Iterable[Any]) -> str:
+    return "; ".join(text for text in texts if isinstance(text, str))
 
 
 def mutants(

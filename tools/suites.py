@@ -449,10 +449,12 @@ def table(rows: pandas.DataFrame) -> str:
         f"{verdicts.total()} {what}: {', '.join(f'{count} {verdict}' for verdict, count in verdicts.most_common())}"
         for what, verdicts in counts(rows).items()
     ]
-    why = Counter(rows["detail"][rows["legal"] & (rows["verdict"] == "refused")].map(reason))
+    refused = rows.loc[rows["legal"] & (rows["verdict"] == "refused"), "detail"]
+    why = Counter(map(reason, refused))
     lines += ["reasons of refusals of legal classes:", *(f"{count:5d}  {text}" for text, count in why.most_common())]
-    others = rows[~rows["verdict"].isin(("right", "translated", "refused", "accepted", "fails"))].itertuples()
-    lines += [f"{row.verdict}: {row[1]}: {' '.join(str(row.detail).split())[:200]}" for row in others]
+    others = rows[~rows["verdict"].isin(("right", "translated", "refused", "accepted", "fails"))]
+    for verdict, name, detail in zip(others["verdict"], others["class"], others["detail"], strict=True):
+        lines.append(f"{verdict}: {name}: {' '.join(str(detail).split())[:200]}")
     return "\n".join(lines)
 
 
