@@ -106,8 +106,7 @@ published.compare(compared)
 
 # %%
 alt = "Adhesion over slip: each cause alone, and wet rail and leaves at three speeds"
-figure, panels = style.panels(10, 4.2, 1, 2, sharey=True)
-figure.set_label(alt)
+figure, panels = style.panels(10, 4.2, 1, 2, label=alt, sharey=True)
 of_causes = {f"leaves, {causes}": (curves["leaves", causes, 80], *look) for causes, look in table1.CAUSES.items()}
 of_rails = {
     f"{rail}, {speed} km/h": (curves[rail, "cleaning and heat", speed], color, table1.SPEEDS[speed])
@@ -388,8 +387,7 @@ rows += [(f"level, {in_words[scenario]}", f"{fit[scenario]:.3f}", "", levels, "s
 rg.table(pd.DataFrame(rows, columns=["number", "identified", "library", "bounds", "remark"]), left=["number"])
 
 # %%
-figure, panel = style.panels(8, 3.8)
-figure.set_label("Identified creep curve and the dry one")
+figure, panel = style.panels(8, 3.8, label="Identified creep curve and the dry one")
 friction = table1.mean_friction(fit)
 for numbers, color, name, offset in (
     (fit, palette.BLUE, "identified", [(10, 1), (6, 6)]),

@@ -272,9 +272,7 @@ for number, mph in enumerate(runs.SPEEDS, start=5):
 # ## Figure 9: the network
 
 # %%
-network = runs.structure(recipe.wheelsets, recipe.hidden)
-network.set_label("Four inputs, six hidden neurons, one output")
-network
+runs.structure(recipe.wheelsets, recipe.hidden)
 
 # %% [markdown]
 # ## Figures 10 to 13: estimates

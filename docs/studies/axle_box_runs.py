@@ -273,7 +273,7 @@ def estimates(labels: Mapping[tuple[int, str], Sequence[LabelledRun]], networks:
 
 def structure(inputs: int, hidden: int) -> Figure:
     """Draw the layers of a network of the paper and what each computes (figure 9)."""
-    sheet, axes = style.panels(8.0, 3.2)
+    sheet, axes = style.panels(8.0, 3.2, label="Four inputs, six hidden neurons, one output")
     sheet.has_formulas = True
     columns = (
         (0.0, [f"$|\\ddot x_{{w{i}}}|$" for i in range(1, inputs + 1)], palette.BLUE,

@@ -274,8 +274,7 @@ _WINDOW = 100
 
 def creep_curves(speed: float) -> Figure:
     """Return adhesion over creep of each condition at a speed [m/s], with the published friction at zero creep."""
-    drawing, panel = style.panels(7, 3.4)
-    drawing.set_label("Adhesion over creep in four conditions")
+    drawing, panel = style.panels(7, 3.4, label="Adhesion over creep in four conditions")
     creep = np.geomspace(1e-5, 0.1, 120)
     lines = ("-", "--", "-.", ":")
     for condition, colour, line in zip(CONDITIONS, palette.lead_to_trail(len(CONDITIONS)), lines, strict=True):

@@ -238,8 +238,7 @@ def headlines() -> list[Finding]:
 
 def wagon_figure() -> Figure:
     """Draw the wagon with forces and torques, positive as in equations 1 to 6 (figure 1)."""
-    drawing, axes = canvas(8, 4.2)
-    drawing.set_label("Wagon with forces and torques")
+    drawing, axes = canvas(8, 4.2, "Wagon with forces and torques")
     axes.add_patch(Rectangle((1.0, 2.1), 6.0, 1.25, fill=False, linewidth=1.4))
     axes.plot([0.3, 7.7], [0.5, 0.5], color=palette.BLACK, linewidth=2)
     axes.plot(4.0, 2.6, "o", color=palette.BLACK)
@@ -268,8 +267,7 @@ def wagon_figure() -> Figure:
 
 def rig_figure() -> Figure:
     """Draw the roller rig: wheelset, roller, cylinders with load cells, drive (figure 2)."""
-    drawing, axes = canvas(8, 4.6)
-    drawing.set_label("Roller rig with wheelset, roller, cylinders and drive")
+    drawing, axes = canvas(8, 4.6, "Roller rig with wheelset, roller, cylinders and drive")
     roller, wheelset = (3.6, 1.35), (3.6, 3.02)
     for centre, radius in ((roller, 1.1), (wheelset, 0.57)):
         axes.add_patch(Circle(centre, radius, fill=False, linewidth=1.6))
@@ -300,8 +298,7 @@ def qualitative_figure(slide: pd.DataFrame) -> Figure:
 
     `slide` has the rows of `slide_rows`.
     """
-    drawing, panel = style.panels(8, 3.6)
-    drawing.set_label("Creep curve with three points")
+    drawing, panel = style.panels(8, 3.6, label="Creep curve with three points")
     lines = {
         "curve": (palette.BLACK, "-", "creep curve at the release of the brake"),
         "way": (palette.ORANGE, "--", "way from 2 over 1 to 3 in the sanding test"),

@@ -10,10 +10,11 @@ from railgrip.report import palette, style
 Point = tuple[float, float]
 
 
-def canvas(width: float, height: float) -> tuple[Figure, Axes]:
+def canvas(width: float, height: float, label: str) -> tuple[Figure, Axes]:
     """Return a figure with formulas and without axes, whose coordinates are inches from the lower left corner."""
     drawing = style.figure(width, height, {"left": 0, "right": 1, "bottom": 0, "top": 1})
     drawing.has_formulas = True
+    drawing.set_label(label)
     axes = drawing.subplots()
     axes.set(xlim=(0, width), ylim=(0, height))
     axes.axis("off")

@@ -99,9 +99,15 @@ def figure(width: float, height: float, margins: Mapping[str, float] | None = No
     return drawing
 
 
-def panels(width: float, height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Drawing, Any]:
-    """Return a figure of a size in inches and its axes, with the options of `matplotlib.figure.Figure.subplots`."""
+def panels(
+    width: float, height: float, rows: int = 1, columns: int = 1, *, label: str = "", **options: Any
+) -> tuple[Drawing, Any]:
+    """Return a figure of a size in inches and its axes, with the options of `matplotlib.figure.Figure.subplots`.
+
+    On a page of a study, its label is read to those who do not see it.
+    """
     drawing = figure(width, height)
+    drawing.set_label(label)
     return drawing, drawing.subplots(rows, columns, **options)
 
 
