@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pymap3d
 import xarray
 from matplotlib.figure import Figure
@@ -103,19 +104,16 @@ def rows(case: str, seed: int) -> list[Row]:
     return [{"noises": title} | score(task, estimate) | track for title, estimate in estimates.items()]
 
 
-def noise_rows(noises: Mapping[str, Noise]) -> list[Row]:
+def noise_table(noises: Mapping[str, Noise]) -> pd.DataFrame:
     """Return the twelve noises of each set with the bounds of the search; those within a tenth of a decade of a bound
     are marked.
     """
-    found: list[Row] = []
-    for number, (name, unit, (low, high)) in enumerate(zip(NAMES, UNITS, limits(), strict=True)):
-        row: Row = {"entry": f"{name} [{unit}]"}
-        for title, noise in noises.items():
-            decades = noise.logarithms[number]
-            mark = " (bound)" if min(decades - low, high - decades) < 0.1 else ""
-            row[title] = f"{noise.values[number]:.2e}{mark}"
-        found.append(row | {"bounds": f"{10**low:.0e} – {10**high:.0e}"})
-    return found
+    low, high = np.transpose(limits())
+    table = pd.DataFrame({"entry": [f"{name} [{unit}]" for name, unit in zip(NAMES, UNITS, strict=True)]})
+    for title, noise in noises.items():
+        is_near = (np.minimum(noise.logarithms - low, high - noise.logarithms) < 0.1).tolist()
+        table[title] = [f"{value:.2e}{' (bound)' * mark}" for value, mark in zip(noise.values, is_near, strict=True)]
+    return table.assign(bounds=[f"{10**a:.0e} – {10**b:.0e}" for a, b in limits()])
 
 
 def compared_row(case: str, seed: int) -> Row:

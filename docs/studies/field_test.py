@@ -208,7 +208,7 @@ rg.table(pd.concat([spread(of_seeds, of_filter), best]).reset_index(), left=["no
 # Noises of the three sets. Those within a tenth of a decade of a bound of the search are marked:
 
 # %%
-rg.table(pd.DataFrame(field.noise_rows(field.noises())), left=["entry"])
+rg.table(field.noise_table(field.noises()), left=["entry"])
 
 # %% [markdown]
 # Equation (14) is lowest if the filter repeats its readings: all variances of readings are at their lower bound, and

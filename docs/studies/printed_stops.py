@@ -5,7 +5,6 @@ Equipment, laws and rails are those of the campaign `table1`.
 
 import math
 from functools import cache
-from typing import Any
 
 import numpy as np
 from table1_stops import LIMIT
@@ -15,7 +14,7 @@ from railgrip.base.registry import shelf
 from railgrip.controllers.laws.adhesion_based import AdhesionBased
 from railgrip.report.reference import locked_text
 from railgrip.report.statistics import endless
-from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.campaign import Campaign, load_campaign
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.vehicle_data import VehicleData
@@ -44,35 +43,36 @@ FILTERS = {
 
 
 @cache
-def _campaign() -> tuple[Any, dict[tuple[str, str, str], Scenario]]:
-    campaign = load_campaign(shelf("campaigns")["table1"])
-    of_axes = {
-        (stop.variants["equipment"], stop.variants["controller"], stop.variants["scenario"]): stop.scenario
-        for stop in campaign.stops
-    }
-    return campaign, of_axes
+def _campaign() -> Campaign:
+    return load_campaign(shelf("campaigns")["table1"])
+
+
+def planned(equipment: str, law: str, scenario: str) -> Scenario:
+    """Return the scenario of a stop of the campaign."""
+    return next(stop.scenario for stop in _campaign().stops if stop.name == f"{scenario}-{equipment}-{law}")
 
 
 def limited(quick: bool) -> list[dict[str, str]]:
     """Return equipment, law and rail of the stops with a law that has a limit of adhesion."""
     equipment = ("ideal",) if quick else ("ideal", "instant", "service")
     laws = ("adhesion_literal", "adhesion_based", "slope_seeking")
+    of_stops = (stop.variants for stop in _campaign().stops)
     return [
-        {"equipment": each, "law": law, "scenario": scenario}
-        for each, law, scenario in _campaign()[1]
-        if each in equipment and law in laws
+        {"equipment": one["equipment"], "law": one["controller"], "scenario": one["scenario"]}
+        for one in of_stops
+        if one["equipment"] in equipment and one["controller"] in laws
     ]
 
 
 def guard_row(variant: str, equipment: str, scenario: str, repeats: int) -> dict[str, float | None]:
     """Return the median distance of perturbed stops [m], None if most do not stop, and the longest lock in them [s]."""
-    planned = _campaign()[1][equipment, "adhesion_literal", scenario]
+    stop = planned(equipment, "adhesion_literal", scenario)
     parameters = GUARDS[variant]
     if variant == list(GUARDS)[-1]:
-        tuning = AdhesionBased.load_tuning(planned.actuation.kind, "estimated", period=1.0, adhesion_max=LIMIT)
+        tuning = AdhesionBased.load_tuning(stop.actuation.kind, "estimated", period=1.0, adhesion_max=LIMIT)
         parameters = {name: getattr(tuning, name) for name in _BORROWED}
     stops = [
-        rg.run(planned.revised({"controller": {"parameters": parameters},
+        rg.run(stop.revised({"controller": {"parameters": parameters},
                                 "vehicle": {"nudge": {"relative": PERTURBATION, "seed": seed}}}))
         for seed in range(1, repeats + 1)
     ]  # fmt: skip
@@ -83,7 +83,7 @@ def guard_row(variant: str, equipment: str, scenario: str, repeats: int) -> dict
 
 def accepted(equipment: str, scenario: str) -> str:
     """Return median, range and longest lock of the accepted repeats of the law as printed."""
-    conditioning = _campaign()[0].conditioning
+    conditioning = _campaign().conditioning
     assert conditioning is not None, "the campaign of Table 1 names the file of its repeats"
     one = read_conditioning(conditioning).stops[f"{scenario}-{equipment}-adhesion_literal"]
     metres = [distance for distance in (one.lots or one.distances) if math.isfinite(distance)]
@@ -98,11 +98,11 @@ def excess_row(equipment: str, law: str, scenario: str) -> dict[str, float]:
     accelerates the wheelsets, J dω/dt/(r F_z), the rest balances brake and bearings; `speed`: speed of the train at
     that instant [m/s]; `over`: longest time of a group above the limit [s].
     """
-    planned = _campaign()[1][equipment, law, scenario]
-    trace = rg.run(planned).trace
+    stop = planned(equipment, law, scenario)
+    trace = rg.run(stop).trace
     adhesion, time = trace["group_adhesion"].values, trace["time"].values
     instant, group = np.unravel_index(np.argmax(adhesion), adhesion.shape)
-    formation = VehicleData(planned).nominal.formation
+    formation = VehicleData(stop).nominal.formation
     load = formation.sum_by_group(trace["wheelset_load"].values)[instant, group]
     brake = formation.brakes[group]
     rates = np.gradient(trace["wheelset_speed"].values[:, group], time)

@@ -12,5 +12,5 @@ COLUMNS = ["figure", "quantity", "published", "ours", "difference"]
 
 def compare(lines: Iterable[str]) -> ReportTable:
     """Return the table of lines whose cells a bar separates; cells at the end may be left out."""
-    cells = [[cell.strip() for cell in line.split("|")] for line in lines]
-    return rg.table(pd.DataFrame(cells).reindex(columns=range(5)).set_axis(COLUMNS, axis=1), left=COLUMNS[:2])
+    cells = pd.Series([line.strip() for line in lines]).str.split(r"\s*\|\s*", expand=True, regex=True)
+    return rg.table(cells.reindex(columns=range(5)).set_axis(COLUMNS, axis=1), left=COLUMNS[:2])

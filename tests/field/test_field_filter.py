@@ -178,7 +178,8 @@ def test_the_objective_of_the_paper_has_blind_spots(task, filter_):
 def test_noises_at_a_bound_of_the_search_are_marked():
     bounds = np.array(limits())
     sets = {"inside": bounds.mean(axis=1), "low": bounds[:, 0] + 0.05, "high": bounds[:, 1] - 0.05}
-    for row in field_runs.noise_rows({name: Noise.of(logarithms) for name, logarithms in sets.items()}):
+    table = field_runs.noise_table({name: Noise.of(logarithms) for name, logarithms in sets.items()})
+    for row in table.to_dict("records"):
         assert [row[name].endswith(" (bound)") for name in sets] == [False, True, True]
 
 
