@@ -271,9 +271,9 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
     Raises:
         ScenarioError: The file is missing, not TOML, or not an estimation; one sentence per problem.
     """
-    path, older = locate(path, "estimations"), list[str]()
-    tables = _tables_in(path, (), older)
-    own = [DEFAULT if file.parent == LIBRARY else f"given in {file.name}" for file in _extended(path)]
+    path, files, older = locate(path, "estimations"), list[Path](), list[str]()
+    tables = _tables_in(path, files, older)
+    own = [DEFAULT if file.parent == LIBRARY else f"given in {file.name}" for file in files]
     changes = (
         OtherFileString.within(nest(overrides), Path.cwd())
         if isinstance(overrides, Mapping)
@@ -321,14 +321,6 @@ def _with_state_names(tables: Mapping[str, Any], origin: str, older: list[str]) 
     return result
 
 
-def _extended(path: Path) -> Iterator[Path]:
-    """Yield a file and those that it extends, uppermost first."""
-    yield path
-    table = read_toml(path)
-    if "extends" in table:
-        yield from _extended(locate(str(table["extends"]), "estimations", path.parent))
-
-
 def _keys(table: Mapping[str, Any], within: str = "") -> Iterator[str]:
     for key, value in table.items():
         if isinstance(value, Mapping):
@@ -337,8 +329,10 @@ def _keys(table: Mapping[str, Any], within: str = "") -> Iterator[str]:
             yield f"{within}{key}"
 
 
-def _tables_in(path: Path, chain: Sequence[Path], older: list[str]) -> Tables:
+def _tables_in(path: Path, chain: list[Path], older: list[str]) -> Tables:
+    """Return the tables of a file, which is added to the chain of files that extend each other."""
     table = read_toml(path)
+    chain.append(path)
     require_kind(table, "estimation", path)
     noise = table.get("noise")
     if isinstance(noise, dict) and "file" in noise:
@@ -348,8 +342,8 @@ def _tables_in(path: Path, chain: Sequence[Path], older: list[str]) -> Tables:
     if "extends" not in table:
         return tables
     base = locate(str(table["extends"]), "estimations", path.parent, f"{path.name}: extends: ")
-    require_straight(base, (*chain, path), path.name)
-    below = _tables_in(base, (*chain, path), older)
+    require_straight(base, chain, path.name)
+    below = _tables_in(base, chain, older)
     # A map of columns applies to one recording only.
     inherited = {
         key: value
