@@ -272,8 +272,7 @@ def _rises(time: Vector) -> bool:
 
 
 def _filled(values: Vector) -> Vector:
-    last = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(values.size), -1))
-    return np.where(last >= 0, values[np.maximum(last, 0)], np.nan)
+    return pd.Series(values).where(np.isfinite(values)).ffill().to_numpy()
 
 
 def _spread(time: Vector) -> Vector:

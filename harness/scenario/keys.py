@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
+from railgrip.base.groups import gather
 from railgrip.scenario.campaign import CampaignFile
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
@@ -115,10 +116,7 @@ def meanings_of_keys() -> Mapping[str, str]:
 
 
 def _unambiguous(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
-    texts: dict[str, set[str]] = {}
-    for key, text in pairs:
-        texts.setdefault(key, set()).add(text)
-    return {key: text for key, (text, *others) in texts.items() if not others}
+    return {key: texts[0] for key, texts in gather(pairs).items() if len(set(texts)) == 1}
 
 
 def entries_of(table: type[BaseModel], path: str) -> Iterator[tuple[str, FieldInfo | UnitRange]]:
