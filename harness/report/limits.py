@@ -33,9 +33,7 @@ class Supply(Table):
 
     volume: Annotated[float, UnitRange("m3", above=0, at_most=100)]
     pressure: Annotated[float, UnitRange("Pa", above=0, at_most=2e6)] = Field(description="when the stop begins, gauge")
-    delivery: Annotated[float, UnitRange("m3/s", at_least=0, at_most=1)] = Field(
-        description="free air of the compressor"
-    )
+    delivery: Annotated[float, UnitRange("m3/s", between=(0, 1))] = Field(description="free air of the compressor")
 
     def remaining(self, air: float, duration: float) -> float:
         """Return the pressure at the end [Pa], for free air used [m3] in a time [s], at constant temperature."""
@@ -46,7 +44,7 @@ class Supply(Table):
 class BuildUp(Table):
     """How a deceleration distance is formed."""
 
-    time: Annotated[float, UnitRange("s", at_least=0, at_most=60)]
+    time: Annotated[float, UnitRange("s", between=(0, 60))]
 
 
 class AssessmentLimits(Table):

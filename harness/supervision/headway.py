@@ -28,7 +28,7 @@ _GRID = 5.0  # m, between points of a run
 _EVERY = 10.0  # m, between ends of authority of a moving block
 _SPEEDS = 400  # points of an indication curve
 
-_Seconds = Annotated[float, UnitRange("s", at_least=0, at_most=600, because="signalling acts within seconds")]
+_Seconds = Annotated[float, UnitRange("s", between=(0, 600), because="signalling acts within seconds")]
 
 
 class SpeedSection(Table):

@@ -15,15 +15,13 @@ from railgrip.supervision.national import Deceleration, NationalValues, StepSpee
 
 Factor = Annotated[float, UnitRange("1", above=0, at_most=1.1)]
 _Time = Annotated[
-    float, UnitRange("s", at_least=0, at_most=60, because="the slowest build-up of A.3.9 takes 56 s for 1500 m in G")
+    float, UnitRange("s", between=(0, 60), because="the slowest build-up of A.3.9 takes 56 s for 1500 m in G")
 ]
-_Length = Annotated[float, UnitRange("m", at_least=1, at_most=4095, because="ETCS has lengths up to 4095 m")]
-_Kn = Annotated[float, UnitRange("m/s2", at_least=0, at_most=10)]
+_Length = Annotated[float, UnitRange("m", between=(1, 4095), because="ETCS has lengths up to 4095 m")]
+_Kn = Annotated[float, UnitRange("m/s2", between=(0, 10))]
 _Percentage = Annotated[
     float,
-    UnitRange(
-        "1", at_least=0.3, at_most=2.5, because='the conversion model holds from 30 % to 250 %; write "135 %" or 1.35'
-    ),
+    UnitRange("1", between=(0.3, 2.5), because='the conversion model holds from 30 % to 250 %; write "135 %" or 1.35'),
 ]
 
 
@@ -80,7 +78,7 @@ class TrainData(Table):
     brakes_without_adhesion: StrictBool = Field(
         default=False, description="whether brakes that need no adhesion count on reduced adhesion (A_NVMAXREDADH1)"
     )
-    rotating_mass: Annotated[float, UnitRange("1", at_least=0, at_most=0.3)] | None = Field(
+    rotating_mass: Annotated[float, UnitRange("1", between=(0, 0.3))] | None = Field(
         default=None, description="M_rotating_nom as a share of the mass; 2 % downhill and 15 % uphill unless given"
     )
 

@@ -9,12 +9,12 @@ from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import FASTEST, Length, Speed, Table, table_error
 
-StepSpeed = Annotated[float, UnitRange("m/s", at_least=0, at_most=FASTEST, usual=(0.0, 95.0))]
+StepSpeed = Annotated[float, UnitRange("m/s", between=(0, FASTEST), usual=(0.0, 95.0))]
 Deceleration = Annotated[
     float, UnitRange("m/s2", above=0, at_most=3, because="trains brake with 0.2 to 2.5 m/s2, magnets included")
 ]
 _Factor = Annotated[float, UnitRange("1", above=0, at_most=1.5, because="variables of ETCS have factors up to 1.26")]
-_Share = Annotated[float, UnitRange("1", at_least=0, at_most=1)]
+_Share = Annotated[float, UnitRange("1", between=(0, 1))]
 
 
 class NationalValues(Table):
@@ -29,7 +29,7 @@ class NationalValues(Table):
         default=False, description="whether the compensation of the inaccuracy of speed may be left out; it then is"
     )
     V_NVREL: Speed = Field(default=40 / 3.6, description="release speed")
-    Q_NVLOCACC: Annotated[float, UnitRange("m", at_least=0, at_most=63)] = Field(
+    Q_NVLOCACC: Annotated[float, UnitRange("m", between=(0, 63))] = Field(
         default=12.0, description="accuracy of the location of a balise group"
     )
     M_NVAVADH: _Share = Field(

@@ -25,9 +25,9 @@ _PERIOD = 1e-3
 """Sampling period of the instruments of a train in service [s]."""
 
 _OFF = "an error of this size is a failure"
-SpeedError = Annotated[float, UnitRange("m/s", at_least=0, at_most=100, usual=(0.0, 3.0), because=_OFF)]
-AccelerationError = Annotated[float, UnitRange("m/s2", at_least=0, at_most=1000, usual=(0.0, 3.0), because=_OFF)]
-TravelError = Annotated[float, UnitRange("m", at_least=0, at_most=1, usual=(0.0, 0.01), because=_OFF)]
+SpeedError = Annotated[float, UnitRange("m/s", between=(0, 100), usual=(0.0, 3.0), because=_OFF)]
+AccelerationError = Annotated[float, UnitRange("m/s2", between=(0, 1000), usual=(0.0, 3.0), because=_OFF)]
+TravelError = Annotated[float, UnitRange("m", between=(0, 1), usual=(0.0, 0.01), because=_OFF)]
 
 Tick = Annotated[
     float, UnitRange("s", above=0, at_most=1, usual=(1e-9, 1e-3), because="a clock that ticks so rarely times no pulse")
@@ -48,7 +48,7 @@ class SpeedSensor(Table):
 
     noise: SpeedError = Field(description="1σ, white, each reading")
     scale_error: Deviation = Field(description="1σ of the relative error, drawn once a stop")
-    scale_offset: Annotated[float, UnitRange("1", at_least=-0.5, at_most=0.5, usual=(-0.1, 0.1), because=_OFF)] = Field(
+    scale_offset: Annotated[float, UnitRange("1", between=(-0.5, 0.5), usual=(-0.1, 0.1), because=_OFF)] = Field(
         default=0.0, description="relative error of every stop, which adds to the drawn one"
     )
     period: Period = Field(description="between two readings")
@@ -99,7 +99,7 @@ class PressureTransducer(Table):
     """Cylinder pressure of each group."""
 
     full_scale: Annotated[
-        float, UnitRange("Pa", at_least=1e3, at_most=1e8, usual=(3e5, 5e7), because="brake cylinders hold some bar")
+        float, UnitRange("Pa", between=(1e3, 1e8), usual=(3e5, 5e7), because="brake cylinders hold some bar")
     ] = Field(description="highest pressure that it can show")
     error: Deviation = Field(description="1σ of the offset over full scale, drawn once a stop")
     bits: Annotated[StrictInt, Field(ge=4, le=24)] = Field(description="of the converter, over full scale")

@@ -25,7 +25,7 @@ _SOURCE = {"acceleration_along": "acceleration"} | dict.fromkeys(GNSS, "distance
 
 _ALL = {signal.name.removeprefix("reading_"): signal for signal in (*READINGS, *EXTRA_READINGS)}
 
-_PlaceError = Annotated[float, UnitRange("m", at_least=0, at_most=1000, because="an error of this size is a failure")]
+_PlaceError = Annotated[float, UnitRange("m", between=(0, 1000), because="an error of this size is a failure")]
 
 
 class Gnss(Table):

@@ -54,9 +54,7 @@ class Effort(Table):
 class LoopEffort(Effort):
     """Subset simulation with the controller in the loop."""
 
-    probability: Annotated[float, UnitRange("1", at_least=1e-9, at_most=0.1)] = Field(
-        description="of a lower deceleration"
-    )
+    probability: Annotated[float, UnitRange("1", between=(1e-9, 0.1))] = Field(description="of a lower deceleration")
 
 
 class KFactorSpecification(Table):
