@@ -272,7 +272,7 @@ def _rises(time: Vector) -> bool:
 
 
 def _filled(values: Vector) -> Vector:
-    return pd.Series(values).where(np.isfinite(values)).ffill().to_numpy()
+    return np.asarray(pd.Series(values).where(np.isfinite(values)).ffill(), np.float64)
 
 
 def _spread(time: Vector) -> Vector:
