@@ -1,23 +1,11 @@
 """Initial values of discrete variables, and fixed start values of variables that are not states."""
 
-import fmpy
 import pytest
+from small_fmus import INTERFACES, trajectory
 from wrong import table
 
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
-
-INTERFACES = ["CoSimulation", "ModelExchange"]
-
-
-def trajectory(fmu, interface, *names, stop=1.0, step=0.1, **start):
-    """Return the values of variables at each communication point."""
-    found = fmpy.simulate_fmu(
-        str(fmu.folder), stop_time=stop, output=names, output_interval=step, fmi_type=interface, start_values=start,
-        record_events=False,
-    )  # fmt: skip
-    return [found[name].astype(float).tolist() for name in names]
-
 
 PULSE = """model M "High for the first half of each period, counted from the start time; T may be changed"
   parameter Real T = 0.3, start_time = 0.05;

@@ -1,12 +1,10 @@
 """Every language feature gives the trajectory of rumoca's own simulator, which shares only the front end."""
 
-from pathlib import Path
-
 import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
-from small_fmus import FEATURES, reference_run
+from small_fmus import FEATURES, INTERFACES, compare, reference_run
 
 CLASSES = sorted(f.stem for f in FEATURES.glob("*.mo") if f.stem != "package")
 # rumoca's simulate requires values for inputs; Driven has separate tests.
@@ -24,7 +22,7 @@ def test_the_fmu_is_valid(feature, name):
     assert validate_fmu(str(feature(name).path)) == []
 
 
-@pytest.mark.parametrize("interface", ["ModelExchange", "CoSimulation"])
+@pytest.mark.parametrize("interface", INTERFACES)
 @pytest.mark.parametrize("name", CLOSED)
 def test_the_trajectory_is_that_of_rumoca(feature, references, name, interface):
     """Within 1e-5 of the largest value; the solvers have a tolerance of 1e-8 and events are located to 1e-10 s."""
@@ -36,17 +34,4 @@ def test_the_trajectory_is_that_of_rumoca(feature, references, name, interface):
     found = fmpy.simulate_fmu(
         str(fmu.folder), stop_time=STOP, output=shared, output_interval=STEP, fmi_type=interface, **settings
     )
-    for n in shared:
-        seen = np.interp(time, found["time"], found[n].astype(float))
-        scale = np.max(np.abs(reference[n]))
-        assert np.max(np.abs(seen - reference[n])) <= 1e-5 * scale + 1e-9, n
-
-
-def test_a_library_on_disk_and_a_single_file_give_the_same_model(feature, modelica):
-    text = Path(FEATURES / "Oscillator.mo").read_text()
-    single = modelica(text.replace("within Features;", "").replace("Oscillator", "M"))
-    ends = [
-        fmpy.simulate_fmu(str(fmu.folder), stop_time=1.0, output=["x"], fmi_type="CoSimulation")["x"][-1]
-        for fmu in (feature("Oscillator"), single)
-    ]
-    assert ends[0] == ends[1]
+    compare(shared, found, time, reference)

@@ -7,7 +7,6 @@ import os
 import re
 import shutil
 import signal
-import sys
 import tempfile
 import threading
 
@@ -27,9 +26,6 @@ from railgrip.fmus.native.code import LARGEST_INCLUDED, RUNTIME
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.loops import LONGEST, with_loops
 from railgrip.fmus.native.system import explicit
-
-LARGEST_REAL = sys.float_info.max
-
 
 POINTER = ctypes.POINTER(ctypes.c_double)
 EXPORTED = '__attribute__((visibility("default")))'
@@ -195,16 +191,7 @@ def chain_of(n):
     crossed = [f * v[n - 1 - i] / (1 + total**2) for i, f in enumerate(forces)]
     power = [ca.if_else(c > 0, c, g * total) for c, g in zip(crossed, reversed(crossed), strict=True)]
     other = ca.vertcat(v, ca.SX(7), *forces[::-1], x[0], ca.SX(7), total, *crossed[1:], power[0])
-    return ca.Function("f_chain", [x, v, p], [ca.vertcat(*power), other])
-
-
-@pytest.mark.parametrize("n", [2, 3, 17])
-def test_loops_over_equal_parts_compute_the_same_as_casadi(n):
-    function, random = chain_of(n), np.random.default_rng(n)
-    given = [random.uniform(-2, 2, n), random.uniform(-2, 2, n), np.array([0.7])]
-    found = played(function, [], with_loops(function), given)
-    for result, expected in zip(found, function(*given), strict=True):
-        np.testing.assert_array_equal(result, np.asarray(expected).ravel())
+    return ca.Function(f"f_chain{n}", [x, v, p], [ca.vertcat(*power), other])
 
 
 def test_code_of_more_equal_parts_differs_only_in_its_tables():
@@ -235,17 +222,20 @@ def random_function(name, random):
 
 
 def test_loops_compute_what_casadi_computes():
-    """A hundred functions, compiled together because a compiler takes a tenth of a second to start."""
+    """Random functions, and chains, compiled together because a compiler takes a tenth of a second to start."""
     random = np.random.default_rng(0)
-    functions = [random_function(f"f{k}_", random) for k in range(100)]
-    runs = [f"{EXPORTED} void run{k}(const double **a, double **r) {{ f{k}_(a, r); }}" for k in range(100)]
+    functions = [random_function(f"f{k}_", random) for k in range(100)] + [chain_of(n) for n in (2, 3, 17)]
+    runs = [
+        f"{EXPORTED} void run{k}(const double **a, double **r) {{ {function.name()}(a, r); }}"
+        for k, function in enumerate(functions)
+    ]
     text = "\n".join(["#include <math.h>", *map(with_loops, functions), *runs])
     library = ctypes.CDLL(str(toolchain.shared_library({"model.c": text}, "model", flags=["-O1"])))
-    x = np.array([0.3, -1.25, 2.0, 0.75, -0.5, 1.5])
     for k, function in enumerate(functions):
+        given = [random.uniform(-2, 2, function.nnz_in(i)) for i in range(function.n_in())]
         found = [np.zeros(function.nnz_out(i)) for i in range(2)]
-        library[f"run{k}"]((POINTER * 1)(at(x)), (POINTER * 2)(*map(at, found)))
-        for result, expected in zip(found, function(x), strict=True):
+        library[f"run{k}"]((POINTER * len(given))(*map(at, given)), (POINTER * 2)(*map(at, found)))
+        for result, expected in zip(found, function.call(given), strict=True):
             np.testing.assert_array_equal(result, np.asarray(expected).ravel(), err_msg=f"function {k}")
     assert sum("for (int k = 0; k < " in line for f in functions for line in with_loops(f).splitlines()) > 200
 
@@ -308,10 +298,9 @@ end Chain;
 """
 
 
-def test_an_fmu_of_several_units_lists_them_and_steps_like_one_of_a_single_unit(tmp_path, monkeypatch):
+def test_an_fmu_of_several_units_lists_them_and_steps_like_one_of_a_single_unit(tmp_path, written, monkeypatch):
     """What modelDescription.xml and buildDescription.xml list is what must be compiled, and nothing else."""
-    (tmp_path / "Chain.mo").write_text(CHAIN)
-    system = explicit(read("Chain", tmp_path / "Chain.mo"))
+    system = explicit(read("Chain", written(CHAIN, "Chain.mo")))
     found = {}
     for limit in (0, LARGEST_INCLUDED):
         monkeypatch.setattr(code, "LARGEST_INCLUDED", limit)
@@ -408,26 +397,9 @@ def test_a_library_is_compiled_once(own_cache):
     assert other.read_bytes() != first.read_bytes()
 
 
-@pytest.mark.parametrize(("size", "wanted"), [(0, (0.0, 1.0, LARGEST_REAL, -LARGEST_REAL)), (2, (5.0, 6.0, 2.0, 3.0))])
-def test_a_reduction_over_an_empty_set_is_its_neutral_element(tmp_path, size, wanted):
-    """Modelica Language Specification 3.6, section 10.3.4; for a vector and as a comprehension."""
-    file = tmp_path / "M.mo"
-    kinds = ("sum", "product", "min", "max")
-    outputs = [f"output Real {kind}_v = {kind}(v);" for kind in kinds]
-    outputs += [f"output Real {kind}_i = {kind}(1.0 + i for i in 1:n);" for kind in kinds]
-    file.write_text(
-        f"model M\nparameter Integer n = {size};\nparameter Real v[n] = {{1.0 + i for i in 1:n}};\n"
-        f"Real x(start=1, fixed=true);\n{' '.join(outputs)}\nequation\nder(x) = -x;\nend M;"
-    )
-    model = lower("M", file)
-    free = [p.start for p in model.parameters]
-    assert tuple(model.output(0, [1], [], free).full().ravel()) == wanted * 2
-
-
-def test_equations_of_an_unknown_kind_of_loop_are_refused(tmp_path):
+def test_equations_of_an_unknown_kind_of_loop_are_refused(written):
     """Another version of the front end may write others; guessed, each could be repeated or left out."""
-    (tmp_path / "Chain.mo").write_text(CHAIN)
-    dae = read("Chain", tmp_path / "Chain.mo")
+    dae = read("Chain", written(CHAIN, "Chain.mo"))
     owner = next(o for o in dae.content["continuous_equation_operations"] if o.get("scalar_view"))
     owner["scalar_view"] = "Diagonal"
     with pytest.raises(

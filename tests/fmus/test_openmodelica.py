@@ -164,6 +164,12 @@ def test_omc_runs_again_only_after_a_change(omc, own_cache, library, tmp_path):
 
 CRASH = ("echo true", "seq 1 40", "echo 'Segmentation fault (core dumped)' >&2")
 """The values of the commands before a crash, `true`, say nothing."""
+TELLING = "part7.c:3:1: fatal error: 'x.h' file not found"
+FAILING_MAKE = (
+    "echo '\"Error: Error building simulator. Build log: cmake ..'; seq -f 'clang -O2 -c part%g.c' 150",
+    f"echo \"{TELLING}\"; echo 'make: 1'; echo '\"'",
+)
+"""omc reports the whole log as one error."""
 
 
 @pytest.mark.parametrize(
@@ -172,35 +178,17 @@ CRASH = ("echo true", "seq 1 40", "echo 'Segmentation fault (core dumped)' >&2")
         (["echo '\"[/lib/A.mo:3:5-3:20:writable] Error: Variable k not found.'"], r"\[.*Variable k not found\."),
         (["exit 0"], r"omc ended with 0 .*"),
         (["seq 1 200"], r"1\n190\n191\n.*\n200\nAll 200 lines are in .*Plant\.log\."),
+        (FAILING_MAKE, rf"Error: .* cmake \.\.\n{re.escape(TELLING)}\nAll 153 lines are in .*Plant\.log\."),
         ([*CRASH, "exit 3"], r"omc ended with exit status 3\n.*Segmentation fault \(core dumped\)\n.*"),
         ([*CRASH, "kill -SEGV $$"], r"omc ended with signal SIGSEGV\n.*Segmentation fault \(core dumped\)\n.*"),
     ],
-    ids=["an error", "nothing", "a long log", "an exit status", "a crash"],
+    ids=["an error", "nothing", "a long log", "a failing make", "an exit status", "a crash"],
 )
 def test_the_end_of_omc_without_an_fmu_is_passed_on(omc, tmp_path, lines, words):
     omc(*lines)
     with pytest.raises(BuildFailed) as failure:
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
     assert re.fullmatch(rf"OpenModelica could not build Lib\.FMUs\.Plant:\n{words}", str(failure.value), re.DOTALL)
-
-
-def test_only_the_relevant_lines_of_a_long_build_log_are_passed_on(omc, tmp_path):
-    """As omc reports a failing make: the whole log is one error."""
-    telling = "part7.c:3:1: fatal error: 'x.h' file not found"
-    lines = [*(f"clang -O2 -c part{k}.c" for k in range(150)), telling, "make: 1"]
-    log = "\n".join(['"Error: Error building simulator. Build log: cmake ..', *lines, '"'])
-    (tmp_path / "log.txt").write_text(log)
-    omc(f"cat {tmp_path / 'log.txt'}")
-    path = tmp_path / "out" / "Plant.fmu"
-    with pytest.raises(BuildFailed) as failure:
-        openmodelica.export(RECIPE, tmp_path, path)
-    assert str(failure.value).splitlines() == [
-        "OpenModelica could not build Lib.FMUs.Plant:",
-        "Error: Error building simulator. Build log: cmake ..",
-        telling,
-        f"All 153 lines are in {path.with_suffix('.log')}.",
-    ]
-    assert path.with_suffix(".log").read_text().splitlines()[1:] == lines
 
 
 @pytest.mark.parametrize("copied", [True, False])

@@ -7,14 +7,10 @@ import fmpy
 import numpy as np
 import pytest
 from sampling import sample
+from small_fmus import SCOPE
 
 STEP = 5e-6
 """Grid of the reference; the states of the reference are wrong by a few steps or less for each event."""
-
-SCOPE = {
-    "mod": np.mod, "rem": np.fmod, "floor": np.floor, "ceil": np.ceil, "integer": np.floor, "sign": np.sign,
-    "abs": np.abs, "min": np.minimum, "max": np.maximum, "sin": np.sin, "div": lambda a, b: np.trunc(a / b),
-}  # fmt: skip
 
 
 def relation(draw):
@@ -35,13 +31,7 @@ def model(draw):
     first, second = relation(draw), relation(draw)
     join = draw.choice(["c0 and not c1", "c0 or c1", "not c0 and c1", "c0 <> c1"])
     start, period = round(draw.uniform(0.01, 0.2), 4), round(draw.uniform(0.05, 0.3), 4)
-    return (
-        first,
-        second,
-        join,
-        start,
-        period,
-        f"""model M
+    text = f"""model M
   Real s(start=0, fixed=true), x(start=0, fixed=true), y(start=0, fixed=true);
   Boolean c0 = {first}, c1 = {second}, c2 = {join};
   Integer n0(start=0, fixed=true), n1(start=0, fixed=true), n2(start=0, fixed=true), n3(start=0, fixed=true);
@@ -67,8 +57,8 @@ equation
     reinit(x, 0.5*pre(x) + 1);
   end when;
 end M;
-""",
-    )
+"""
+    return first, second, join, start, period, text
 
 
 def reference(first, second, join, start, period):

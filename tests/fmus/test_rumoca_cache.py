@@ -1,12 +1,12 @@
 """rumoca caches parsed files without checking them; railgrip does not use this cache."""
 
-import os
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from command_line import ran
 
 from railgrip.fmus.native.library import LIBRARY
 
@@ -24,8 +24,7 @@ DAMAGES: tuple[Callable[[bytes], bytes], ...] = (
 
 def python(code: str, cache: Path) -> "subprocess.CompletedProcess[str]":
     """Run Python with `cache` as the folder of all caches except railgrip's."""
-    environment = {**os.environ, "XDG_CACHE_HOME": str(cache), "RAILGRIP_CACHE": str(cache / "own")}
-    return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+    return ran([sys.executable, "-c", code], XDG_CACHE_HOME=str(cache), RAILGRIP_CACHE=str(cache / "own"))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="it ends with a window of the system there")

@@ -2,21 +2,17 @@
 
 import math
 
-import fmpy
 import numpy as np
 import pytest
+from small_fmus import INTERFACES, SCOPE, trajectory
 from wrong import table
-
-INTERFACES = ["CoSimulation", "ModelExchange"]
 
 
 def ends(fmu, interface, stop=1.0, step=0.25, **start):
     """Return the values of all variables at `stop`."""
-    names = [v.name for v in fmu.description.modelVariables if v.causality in ("local", "output")]
-    found = fmpy.simulate_fmu(
-        str(fmu.folder), stop_time=stop, output=names, output_interval=step, fmi_type=interface, start_values=start
-    )
-    return {name: float(found[name][-1]) for name in names}
+    names = fmu.names("local") + fmu.names("output")
+    found = trajectory(fmu, interface, *names, stop=stop, step=step, **start)
+    return {name: values[-1] for name, values in zip(names, found, strict=True)}
 
 
 TIMER = """model M
@@ -82,11 +78,7 @@ PIECEWISE = table(__file__, "tables.toml")["piecewise"]
 def closed_form(expression):
     """Return duration and number of rising edges on a grid of 1 µs, whose instants are not those of the events."""
     t = np.concatenate([[0.0], (np.arange(1_000_000) + 0.4321) * 1e-6])
-    scope = {
-        "time": t, "T": 0.2, "mod": np.mod, "rem": np.fmod, "floor": np.floor, "ceil": np.ceil, "integer": np.floor,
-        "div": lambda a, b: np.trunc(a / b), "sign": np.sign, "abs": np.abs, "min": np.minimum, "max": np.maximum,
-        "sin": np.sin, "where": np.where,
-    }  # fmt: skip
+    scope = SCOPE | {"time": t, "T": 0.2, "where": np.where}
     python = expression.replace("(if time < 0.5 then time else time - 0.5)", "where(time < 0.5, time, time - 0.5)")
     holds = eval(python.replace("^", "**"), scope)
     return holds.mean(), int(np.sum(holds[1:] & ~holds[:-1]))

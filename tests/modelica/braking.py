@@ -1,39 +1,25 @@
-"""Stops of the train FMUs, stepped through FMPy, for the tests of the Modelica library."""
+"""Stops of the train FMUs for the tests of the Modelica library."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 
 import numpy as np
-from slave import Slave
+from bound_fmu import bind_all
 
+from railgrip.fmi import CoSimulation, describe
 from railgrip.fmus.build import fmu
 
 Signal = Callable[[float], float | Sequence[float] | np.ndarray]
 Record = dict[str, np.ndarray]
-
-WATCHED = [
-    *("distance", "speed", "acceleration", "standstill", "air_used"),
-    *("contact_heat", "pad_heat", "damper_heat", "resistance_work", "kinetic_energy"),
-    *("wheelset_speed[4]", "locked[4]", "slip[4]", "adhesion[6]", "group_adhesion[4]"),
-    *("wheelset_load[6]", "deflection[6]", "cylinder_pressure[4]", "pad_force[4]", "pad_friction[4]"),
-    *("disc_temperature[4]", "disc_surface_temperature[4]", "brake_torque[4]"),
-]
-"""Recorded outputs; a number in brackets is a length."""
-
-BOOLEAN = ("standstill", "locked[4]")
-
-
-def scalars(name: str) -> list[str]:
-    """Return the scalar names of an entry of `WATCHED`."""
-    stem, bracket, rest = name.partition("[")
-    return [f"{stem}[{i + 1}]" for i in range(int(rest[:-1]))] if bracket else [name]
 
 
 class Train:
     """A train FMU that can be stopped repeatedly."""
 
     def __init__(self, name: str) -> None:
-        self.file = fmu(name)
+        self.description = describe(fmu(name))
+        self.binding = bind_all(self.description)
+        self.inputs = dict.fromkeys(name.partition("[")[0] for name in self.binding.inputs.elements)
 
     def run(
         self,
@@ -47,36 +33,30 @@ class Train:
     ) -> Record:
         """Step the FMU and record every `keep`-th sample; arrays have shape (samples,) or (samples, n).
 
-        Half the step hardly changes a stop (test_train_stops.py), and calls of FMPy take longer than the FMU.
-        Inputs are held over a step; a signal that returns a sequence sets `name[1]`, `name[2]` and so on.
+        Half the step hardly changes a stop (test_train_stops.py). Inputs are held over a step; a signal returns a value
+        for each element of an array.
         """
-        boolean = [s for name in BOOLEAN for s in scalars(name)]
-        real = [s for name in WATCHED if name not in BOOLEAN for s in scalars(name)]
-        rows: list[list[float]] = []
-        with Slave(self.file, {**parameters, **at(inputs, 0.0)}) as train:
-            references = [train.reference[s] for s in boolean]
-            for k in range(round(until / step) + 1):
-                if k % keep == 0:
-                    flags = train.fmu.getBoolean(references)
-                    rows.append([k * step, *train.get(*real), *map(float, flags)])
-                    if flags[boolean.index("standstill")] and k > 0 and not past_standstill:
+        elements = self.binding.outputs.elements
+        standstill = elements.index("standstill")
+        with CoSimulation(self.description, self.binding, period=step, parameters=dict(parameters)) as train:
+            rows = [train.start(self.at(inputs, 0.0))]
+            for k in range(round(until / step)):
+                outputs = train.step(self.at(inputs, k * step))
+                if (k + 1) % keep == 0:
+                    rows.append(outputs)
+                    if outputs[standstill] and not past_standstill:
                         break
-                train.step(k, step, **at(inputs, k * step))
-        table = dict(zip(["time", *real, *boolean], np.array(rows).T, strict=True))
-        columns = {name: [table[s] for s in scalars(name)] for name in WATCHED}
-        return {"time": table["time"]} | {
-            name.partition("[")[0]: np.stack(own, axis=1) if "[" in name else own[0] for name, own in columns.items()
+        columns: dict[str, list[np.ndarray]] = {}
+        for element, values in zip(elements, np.array(rows).T, strict=True):
+            columns.setdefault(element.partition("[")[0], []).append(values)
+        return {"time": keep * step * np.arange(len(rows))} | {
+            name: np.stack(values, axis=1) if f"{name}[1]" in elements else values[0]
+            for name, values in columns.items()
         }
 
-
-def at(inputs: Mapping[str, Signal], time: float) -> dict[str, float]:
-    """Return the values of scalar inputs at a time."""
-    values: dict[str, float] = {}
-    for name, signal in inputs.items():
-        now = signal(time)
-        elements = {name: now} if np.isscalar(now) else {f"{name}[{i + 1}]": value for i, value in enumerate(now)}
-        values |= {element: float(value) for element, value in elements.items()}
-    return values
+    def at(self, inputs: Mapping[str, Signal], time: float) -> np.ndarray:
+        """Return the values of all inputs at a time."""
+        return np.concatenate([np.atleast_1d(inputs[name](time)) for name in self.inputs]).astype(float)
 
 
 G = 9.81

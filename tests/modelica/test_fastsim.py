@@ -35,11 +35,6 @@ def test_the_stepped_strips_agree_with_the_closed_form():
         assert creep_force(rise_of(epsilon)) == pytest.approx(closed_form(rise_of(epsilon)), rel=5e-3)
 
 
-def test_small_creepage_has_kalkers_stiffness_and_large_full_friction():
-    assert closed_form(rise_of(1e-4)) == pytest.approx(4 / np.pi * 1e-4, rel=1e-3)
-    assert closed_form(rise_of(8 / 3)) == pytest.approx(1.0, rel=1e-6)
-
-
 def test_polach_is_above_fastsim_in_partial_slip_and_below_it_near_full_slip():
     """Polach bounds stress by Hertz's ellipsoid, Kalker by a paraboloid, which is lower at the edges of the contact."""
     ratio = of_library(EPSILONS) / [creep_force(rise_of(epsilon)) for epsilon in EPSILONS]

@@ -4,8 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
+from bound_fmu import bind_all
 
-from railgrip.fmi import Binding, CoSimulation, Description, Port, bind, describe
+from railgrip.fmi import Binding, CoSimulation, Description, describe
 from railgrip.fmus.build import fmu
 from railgrip.vehicle.parameters import DESCRIPTIVE
 
@@ -20,11 +21,7 @@ DEAD_TIMES = {"dead_fill": 1.5, "dead_vent": 1.5}
 
 def plant(name: str) -> tuple[Description, Binding]:
     found = describe(fmu(name))
-    signals = {
-        side: [Port(name=n, unit=found.variables[n].unit or "1", size=0, needed=True) for n in found.names(side)]
-        for side in ("input", "output")
-    }
-    return found, bind(found, inputs=signals["input"], outputs=signals["output"])
+    return found, bind_all(found)
 
 
 def course(plant: tuple[Description, Binding], parameters: Mapping[str, float]) -> np.ndarray:

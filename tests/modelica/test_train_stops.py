@@ -99,13 +99,6 @@ def test_no_wheelset_turns_backwards_and_a_locked_one_does_not_turn(train: Train
     assert stop["brake_torque"][middle, 0] == pytest.approx(0.38 * force, rel=1e-9)
 
 
-def test_locked_wheelsets_turn_again_when_the_rail_recovers(train: Train) -> None:
-    mu0 = lambda t: [0.05 if t < 6 else 0.55] * 6
-    stop = brake(train, 80, mu0, DRY, until=10.0)
-    assert (stop["locked"][stop["time"] == 6.0] > 0.5).all()
-    assert not (stop["locked"][stop["time"] > 7.0] > 0.5).any()
-
-
 def test_a_braked_train_stays_at_rest_until_the_slope_is_stronger(train: Train) -> None:
     """The brake holds Σ n μ F⊥ r_friction / r_wheel and the resistance of bearings and rolling."""
     share = 0.2

@@ -1,6 +1,7 @@
 """Solutions that rules.mo compares with, computed without the compiler."""
 
 import math
+from functools import cache
 
 import numpy as np
 from corpus.case import Function
@@ -32,6 +33,7 @@ def hysteresis(t: float) -> float:
     return 0.2 + 5 * phase if phase < 0.16 else 1.0 - 5 * (phase - 0.16)
 
 
+@cache
 def pendulum() -> Function:
     """Return the height of a pendulum of 10 m that starts at 3-4-5 from the vertical, by its angle."""
     solution = solve_ivp(

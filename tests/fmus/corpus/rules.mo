@@ -1183,7 +1183,7 @@ model M Real m[3, 2]; Real v[1, 3, 2]; equation for j in 1:1, k in 1:2 loop v[j,
 model M Real m[3, 2]; Real v[1, 3, 2]; equation for i in 1:3 loop v[:, i, :] = {{1, 2}}*i; end for; m = v[1, :, :]; end M;
 
 // 8.3.2 derivatives of columns; m[1,1] = 5*t; m[1,2] = 10*t; m[2,1] = 7*t; m[2,2] = 14*t; m[3,1] = 9*t; m[3,2] = 18*t
-model M Real m[3, 2]; equation for k in 1:2 loop der(m[:, k]) = {5, 7, 9}*k; end for; end M;
+model M Real m[3, 2](each start=0, each fixed=true); equation for k in 1:2 loop der(m[:, k]) = {5, 7, 9}*k; end for; end M;
 
 // 11.2.2 a for statement over two ranges; y = 123246*t
 function own input Real x; output Real y; algorithm y := 0; for i in 1:2, j in 1:3 loop y := 10*y + i*j*x; end for; end own;
