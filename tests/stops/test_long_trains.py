@@ -4,11 +4,9 @@ import tomllib
 
 import pytest
 from pipe_fronts import freight_row, freight_train
-from sampling import FUZZ, sample
+from sampling import sample
 
 from railgrip.fmus.native.dae import read
-from railgrip.fmus.native.package import sources
-from railgrip.fmus.native.system import explicit
 from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.rolling_stock.schema import load_train, train_of
 
@@ -40,18 +38,6 @@ def test_forty_wagons_push_in_the_order_of_the_permissible_force(stop):
         assert PERMISSIBLE / 2 < stop["pushes"] < 2 * PERMISSIBLE
     else:
         assert stop["pushes"] < PERMISSIBLE
-
-
-@pytest.mark.skipif(not FUZZ, reason="it translates three trains; make fuzz runs it")
-def test_the_code_of_a_train_grows_in_proportion_to_its_cars(tmp_path):
-    """Each further car adds as much as the one before; 1 % is for the digits of longer indices."""
-    sizes = []
-    for cars in (2, 3, 4):
-        source = tmp_path / f"Cars{cars}.mo"
-        source.write_text(f"block Cars{cars} extends RailBraking.Plants.Consist(cars={cars}); end Cars{cars};")
-        files = sources(explicit(read(f"Cars{cars}", source)), interfaces=("cs",)).files
-        sizes.append(sum(map(len, files.values())))
-    assert sizes[2] - sizes[1] == pytest.approx(sizes[1] - sizes[0], rel=0.01)
 
 
 def test_the_last_wagon_of_a_shorter_train_has_no_coupler():

@@ -87,12 +87,6 @@ def test_adhesion_stays_within_the_limit_of_a_short_formation():
     assert max(limited.metrics.time_over_alpha_max) < 0.1
 
 
-def test_the_same_scenario_gives_the_same_numbers():
-    one = run_stop(load(LIBRARY / "random.toml", ["start.speed=30 km/h"])).trace
-    two = run_stop(load(LIBRARY / "random.toml", ["start.speed=30 km/h"])).trace
-    assert one.identical(two)
-
-
 @cache
 def service_stop():
     return run_stop(table_1_scenario("trapezoid-service-adhesion_based"))
