@@ -1,22 +1,8 @@
-"""A train of four wheelsets as an FMU 3.0 made by PythonFMU3: its wheelsets are the elements of arrays.
-
-test_fmi_3_and_model_exchange.py writes a copy for Model Exchange.
-"""
+"""A train of four wheelsets as an FMU 3.0 made by PythonFMU3: its wheelsets are the elements of arrays."""
 
 import math
 
-from pythonfmu3 import (
-    CoSimulation as Interface,
-)
-from pythonfmu3 import (
-    Dimension,
-    Float64,
-    Fmi3Causality,
-    Fmi3Initial,
-    Fmi3SlaveBase,
-    Fmi3Variability,
-    Unit,
-)
+from pythonfmu3 import CoSimulation, Dimension, Float64, Fmi3Causality, Fmi3SlaveBase, Fmi3Variability, Unit
 
 WHEELS = 4
 MASS, INERTIA, RADIUS = 40e3, 100.0, 0.45  # kg, kg.m2 and m of each wheelset
@@ -26,7 +12,7 @@ PEAK = 0.02  # creep at maximum adhesion
 STEPS = 10  # in a communication step
 
 
-class ArrayTrain(Fmi3SlaveBase, Interface):
+class ArrayTrain(Fmi3SlaveBase, CoSimulation):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         self.time = 0.0
@@ -49,7 +35,6 @@ class ArrayTrain(Fmi3SlaveBase, Interface):
 
         for variable in (
             Float64("time", causality=Fmi3Causality.independent, **moving),
-            *(variable for i in range(2 + 2 * WHEELS) for variable in self.state_and_derivative(i)),
             Float64("brake_demand", dimensions=array, unit="Pa", **inputs, **attribute("demand")),
             Float64("rail_grip", dimensions=array, **inputs, **attribute("grip")),
             Float64("v0", causality=Fmi3Causality.parameter, variability=Fmi3Variability.fixed, unit="m/s",
@@ -66,13 +51,6 @@ class ArrayTrain(Fmi3SlaveBase, Interface):
         self.v0 = speed
         self.state[1 : 2 + WHEELS] = [speed, *[speed / RADIUS] * WHEELS]
 
-    def state_and_derivative(self, i):
-        """Return the variables of a state: PythonFMU3 has no arrays of them."""
-        local = {"causality": Fmi3Causality.local, "variability": Fmi3Variability.continuous}
-        yield Float64(f"state_{i}", initial=Fmi3Initial.calculated, getter=lambda: self.state[i],
-                      setter=lambda value: self.state.__setitem__(i, value), **local)  # fmt: skip
-        yield Float64(f"slope_{i}", derivative=1 + 2 * i, getter=lambda: self.slopes()[i], **local)
-
     def slopes(self):
         speed, wheels, cylinders = self.state[1], self.state[2 : 2 + WHEELS], self.state[2 + WHEELS :]
         load, fast = MASS * 9.81 / WHEELS, max(abs(speed), 1.0)
@@ -85,9 +63,6 @@ class ArrayTrain(Fmi3SlaveBase, Interface):
             *((RADIUS * f - t) / INERTIA for f, t in zip(force, torque, strict=True)),
             *((demand - pressure) / FILLING for demand, pressure in zip(self.demand, cylinders, strict=True)),
         ]
-
-    def get_continuous_state_derivatives(self):
-        return self.slopes()
 
     def do_step(self, current_time, step_size):
         """Take steps of Heun's method."""

@@ -274,32 +274,24 @@ def test_a_train_stops_at_the_same_place_by_every_interface(foreign_train: Syste
 
 
 def test_a_train_of_arrays_by_fmi_3_is_mapped_and_stops(tmp_path: Path):
-    """Elements of the arrays of PythonFMU3's train are wheelsets, by Co-Simulation as by Model Exchange."""
+    """Elements of the arrays of PythonFMU3's train are wheelsets."""
     builder = pytest.importorskip("pythonfmu3.builder")
-    text, distances = (HERE / "array_train.py").read_text(), list[float]()
-    for way in ("CoSimulation", "ModelExchange"):
-        folder = tmp_path / way
-        folder.mkdir()
-        script = folder / f"array_train_{way.lower()}.py"
-        script.write_text(text.replace("CoSimulation as Interface", f"{way} as Interface"))
-        file = builder.FmuBuilder.build_FMU(script, folder, needsExecutionTool=False)
-        description = describe(file)
-        assert (description.fmi, description.co_simulation is None) == (3, way == "ModelExchange")
-        draft = find_mapping(description, wheelsets_per_group=(), speed=20.0, period=PERIOD)
-        table = {name: entry.plain for name, entry in draft.table.items()}
-        assert table["wheelset_speed"] == "wheel_speed[{i}]"
-        assert all(finding.good for finding in draft.findings)
-        scenario = folder / "train.toml"
-        rest = SCENARIO.read_text()
-        vehicle = f'[vehicle]\nplant = "{file}"\n\n' + "\n".join(draft.lines()) + "\n\n"
-        scenario.write_text(rest[: rest.index("[vehicle]")] + vehicle + rest[rest.index("[start]") :])
-        brakes = [
-            "vehicle.formation.brakes.p_max=3 bar",
-            "vehicle.formation.wheelset_load=[98.1e3, 98.1e3, 98.1e3, 98.1e3]",
-        ]
-        dry = ["adhesion.mu0=0.3", "start.speed=5 km/h", "controller.kind=full_brake"]
-        stop = run_stop(load(scenario, [*brakes, *dry]))
-        assert stop.outcome is Outcome.STANDSTILL, stop.reason
-        distances.append(stop.metrics.distance)
-    # Heun's method with 0.1 ms in one, CVODE with 1e-6 in the other: both are far more accurate than 1e-4.
-    assert distances[0] == pytest.approx(distances[1], rel=1e-4)
+    file = builder.FmuBuilder.build_FMU(HERE / "array_train.py", tmp_path, needsExecutionTool=False)
+    description = describe(file)
+    assert (description.fmi, description.model_exchange) == (3, None)
+    draft = find_mapping(description, wheelsets_per_group=(), speed=20.0, period=PERIOD)
+    assert draft.table["wheelset_speed"].plain == "wheel_speed[{i}]"
+    assert all(finding.good for finding in draft.findings)
+    scenario, rest = tmp_path / "train.toml", SCENARIO.read_text()
+    vehicle = f'[vehicle]\nplant = "{file}"\n\n' + "\n".join(draft.lines()) + "\n\n"
+    scenario.write_text(rest[: rest.index("[vehicle]")] + vehicle + rest[rest.index("[start]") :])
+    brakes = [
+        "vehicle.formation.brakes.p_max=3 bar",
+        "vehicle.formation.wheelset_load=[98.1e3, 98.1e3, 98.1e3, 98.1e3]",
+    ]
+    stop = run_stop(load(scenario, [*brakes, "adhesion.mu0=0.3", "start.speed=5 km/h", "controller.kind=full_brake"]))
+    assert stop.outcome is Outcome.STANDSTILL, stop.reason
+    # Brake moments of 10.5 kN m at 0.45 m stop 40 t and wheels of 2 t, and begin with a lag of 0.1 s.
+    a, v = 4 * 10.5e3 / 0.45 / 42e3, 5 / 3.6
+    # Brakes act less on wheels that hardly turn, and wheels slip a little.
+    assert stop.metrics.distance == pytest.approx(v**2 / 2 / a + 0.1 * v - 0.1**2 * a / 2, rel=0.02)
