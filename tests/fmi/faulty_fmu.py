@@ -6,7 +6,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 import fmpy
-from tiny_fmu import HEADERS
+from tiny_fmu import HEADERS, LOGS, model_description, row
 
 from railgrip.fmus.native.toolchain import shared_library
 
@@ -72,32 +72,25 @@ def _description(speed_unit: str, pressure_unit: str, names: Mapping[str, str], 
         *((f"wheelset_speed[{i}]", "rad/s") for i in range(1, 5)),
         *((f"cylinder_pressure[{i}]", pressure_unit) for i in range(1, 5)),
     ]
-    rows = [
-        *(('input" variability="continuous', name, unit, ' start="0"') for name, unit in inputs),
-        ('parameter" variability="fixed" initial="exact', "start_speed", "m/s", ' start="20"'),
-        *(('output" variability="continuous" initial="calculated', name, unit, "") for name, unit in outputs),
+    given = [
+        *((name, unit, "input", "continuous", "", ' start="0"') for name, unit in inputs),
+        ("start_speed", "m/s", "parameter", "fixed", "exact", ' start="20"'),
+        *((name, unit, "output", "continuous", "calculated", "") for name, unit in outputs),
     ]
-    variables = "\n".join(
-        f'<ScalarVariable name="{names.get(name, name)}" valueReference="{reference}" causality="{how}">'
-        f'<Real unit="{unit}"{start}/></ScalarVariable>'
-        for reference, (how, name, unit, start) in enumerate(rows)
-    )
-    unknowns = "".join(f'<Unknown index="{i}"/>' for i in range(len(inputs) + 2, len(rows) + 1))
-    return "\n".join(
-        [
-            '<?xml version="1.0" encoding="UTF-8"?>',
-            '<fmiModelDescription fmiVersion="2.0" modelName="FaultyFmu" guid="{faulty_fmu}"',
-            f'    generationTool="{tool}" variableNamingConvention="structured">',
-            '<CoSimulation modelIdentifier="faulty_fmu" canHandleVariableCommunicationStepSize="true"/>',
-            "<UnitDefinitions>",
-            *(f'<Unit name="{name}">{base}</Unit>' for name, base in UNITS.items()),
-            "</UnitDefinitions>",
-            '<LogCategories><Category name="logStatusError"/></LogCategories>',
-            f"<ModelVariables>{variables}</ModelVariables>",
-            f"<ModelStructure><Outputs>{unknowns}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns>"
-            "</ModelStructure>",
-            "</fmiModelDescription>",
-        ]
+    rows = [
+        row(names.get(name, name), reference, *how, f'Real unit="{unit}"{start}')
+        for reference, (name, unit, *how, start) in enumerate(given)
+    ]
+    numbers = range(len(inputs) + 2, len(rows) + 1)
+    definitions = "".join(f'<Unit name="{name}">{base}</Unit>' for name, base in UNITS.items())
+    return model_description(
+        "FaultyFmu",
+        '<CoSimulation modelIdentifier="faulty_fmu" canHandleVariableCommunicationStepSize="true"/>'
+        f"<UnitDefinitions>{definitions}</UnitDefinitions>{LOGS}",
+        rows,
+        {"Outputs": numbers, "InitialUnknowns": numbers},
+        more=f'generationTool="{tool}" variableNamingConvention="structured"',
+        guid="{faulty_fmu}",
     )
 
 
@@ -106,23 +99,17 @@ def stop_of_plant(
 ) -> Path:
     """Write the scenario of a short stop of a plant, named like its file, with `more` text below [vehicle]."""
     vehicle = f'[vehicle]\nplant = "{plant}"\ntrust = {str(trust).lower()}\n{more}\n'
-    file.write_text(f'name = "{file.stem}"\nseed = 1\n{vehicle}{quick_stop(controller)}')
+    file.write_text(f'name = "{file.stem}"\nextends = "plain"\n{vehicle}{quick_stop(controller)}')
     return file
 
 
 def quick_stop(controller: str) -> str:
-    """Return the tables of a scenario behind [vehicle]: a short stop on good rail, steps of 10 ms, no estimator."""
+    """Return tables of a scenario that extends `plain`: a short stop on good rail, steps of 10 ms, no estimator."""
     return f"""
 [start]
 speed = "36 km/h"
 [adhesion]
-kind = "constant"
-polach = "dry"
 mu0 = 0.3
-[sensors]
-kind = "ideal"
-[actuation]
-kind = "ideal"
 [estimator]
 kind = "none"
 [controller]
@@ -131,9 +118,6 @@ kind = "{controller}"
 communication = "10 ms"
 estimator = "10 ms"
 controller = "10 ms"
-trace = "10 ms"
 [limits]
 horizon = "30 s"
-stop_speed = "0.1 m/s"
-alpha_max = "tsi"
 """

@@ -21,7 +21,6 @@ def test_a_description_equals_the_xml(foundry: Path):
     rate = description.variables["rate"]
     assert (rate.reference, rate.kind, rate.minimum, rate.maximum, rate.start) == (3, "Real", 0.1, 10.0, 2.0)
     unit = description.variables["x"].defined_unit
-    assert unit is not None
     assert unit.factor == pytest.approx(1 / 3.6, rel=1e-15)
     assert unit.dimension == "m.s-1"
     assert description.co_simulation is not None
@@ -44,7 +43,6 @@ def test_a_radian_omitted_from_a_definition_is_read_from_the_name(
 ):
     """SI's radian is one, FMI's a base unit, and tools differ: OpenModelica's "rad/s" is s⁻¹."""
     unit = describe(tiny(foundry, description=per_second(name, factor))).variables["x"].defined_unit
-    assert unit is not None
     assert (unit.dimension, unit.factor) == (dimension, factor)
 
 

@@ -1,17 +1,18 @@
 """A mapping for a foreign FMU is found by names of many kinds, and corrected where a short run contradicts it."""
 
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 import pytest
 from faulty_fmu import faulty_fmu
+from tiny_fmu import tiny
 from wrong import table
 
 from railgrip.base.units import conversion, unit
 from railgrip.fmi import Description, Port, bind, describe
-from railgrip.fmi.description import FmuVariable
 from railgrip.fmi.draft import arrays_of, draft_mapping
 from railgrip.simulate.map_draft import MappingDraft, SignalMapping, _correct, find_mapping
 from railgrip.simulate.plant_trial import TrialPlant
@@ -20,22 +21,20 @@ from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import layout_of
 
 
-def described(**causalities) -> Description:
-    """Return a description of Real variables, causality → names."""
-    variables = {}
-    for causality, names in causalities.items():
-        for name in names:
-            variables[name] = FmuVariable(
-                name=name, reference=len(variables), kind="Real", carrier="Real", causality=causality,
-                settable=causality != "output", unit="", defined_unit=None, relative=False, start_text="0",
-                description="",
-            )  # fmt: skip
-    return Description(
-        file=Path("Train.fmu"), fmi=2, digest="", model="", guid="", generator="",
-        variables=MappingProxyType(variables),
-        states=(), derivatives=(), dependencies={}, event_indicators=0, log_categories=(), co_simulation=None,
-        model_exchange=None, blemishes="",
-    )  # fmt: skip
+@pytest.fixture
+def described(foundry: Path):
+    """Return a function that describes an FMU of Real variables, causality → names."""
+    base = describe(tiny(foundry))
+
+    def description(**causalities) -> Description:
+        variables = {
+            name: replace(base.variables["y"], name=name, causality=causality, settable=causality != "output")
+            for causality, names in causalities.items()
+            for name in names
+        }
+        return replace(base, file=Path("Train.fmu"), variables=MappingProxyType(variables))
+
+    return description
 
 
 WHEELS = Port(name="wheelset_speed", unit="rad/s", size=3, needed=True)
@@ -46,7 +45,7 @@ WHEELS = Port(name="wheelset_speed", unit="rad/s", size=3, needed=True)
     table(__file__, "tables.toml")["arrays"],
     ids=lambda value: value[0] if isinstance(value, list) else "",
 )
-def test_arrays_are_found_under_names_of_many_kinds(names, entry):
+def test_arrays_are_found_under_names_of_many_kinds(described, names, entry):
     description = described(output=[*names, "speed", "distance"])
     signals = {"wheelset_speed": (WHEELS, "output")}
     drafted = draft_mapping(description, signals)
@@ -58,7 +57,7 @@ def test_arrays_are_found_under_names_of_many_kinds(names, entry):
     assert sorted(bound.outputs.channels[0].variables) == sorted(names)
 
 
-def test_usual_abbreviations_are_recognised():
+def test_usual_abbreviations_are_recognised(described):
     signals = {
         "pressure_command": (Port(name="pressure_command", unit="Pa", size=2, needed=True), "input"),
         "cylinder_pressure": (Port(name="cylinder_pressure", unit="Pa", size=2, needed=False), "output"),
@@ -69,12 +68,12 @@ def test_usual_abbreviations_are_recognised():
     assert table == {"pressure_command": "bcp_cmd_{i}", "cylinder_pressure": "bcp_{i}", "start_speed": "v_init"}
 
 
-def test_a_gap_in_the_numbers_does_not_form_an_array():
+def test_a_gap_in_the_numbers_does_not_form_an_array(described):
     names = {array.name for array in arrays_of(described(output=["omega_1", "omega_3"])) if not array.is_scalar}
     assert not names
 
 
-def test_a_variable_is_used_once():
+def test_a_variable_is_used_once(described):
     signals = {
         "wheelset_speed": (WHEELS, "output"),
         "speed": (Port(name="speed", unit="m/s", size=0, needed=True), "output"),

@@ -14,7 +14,7 @@ PAGE = (ROOT / "docs/how_to/own_plant.md").read_text(encoding="utf-8")
 
 HEAD = """
 name = "mine"
-seed = 1
+extends = "plain"
 """
 
 THEIRS = (
@@ -28,7 +28,6 @@ THEIRS = (
 def test_the_scenario_with_the_mapping_of_the_page_runs(foundry: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """The FMU has friction in per cent and outputs its decelerating forces, as the table states."""
     block = re.search(r"^```toml\n(\[vehicle\]\n.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
-    assert block
     monkeypatch.chdir(tmp_path)
     faulty_fmu(foundry, names=THEIRS, defined=("SIGN=-1", "GRIP=0.0981")).rename(tmp_path / "MyTrain.fmu")
     (tmp_path / "mine.toml").write_text(f"{HEAD}\n{block[1]}\n{quick_stop('slip_two_state')}")

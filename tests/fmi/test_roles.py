@@ -7,7 +7,7 @@ from pathlib import Path
 import casadi as ca
 import pytest
 from command_line import done
-from faulty_fmu import faulty_fmu, quick_stop, stop_of_plant
+from faulty_fmu import faulty_fmu, stop_of_plant
 from sampled_systems import sampled
 from wrong import table
 
@@ -89,14 +89,9 @@ def test_a_key_accepts_fmus_of_its_role_and_refuses_others_with_their_key(name, 
         "controller": ("controller", f'kind = "fmu"\nfile = "{files[name]}"'),
         "prediction": ("estimator", f'kind = "fmu"\nfile = "{files[name]}"\ntrust = true\nnoise = "ideal"'),
     }
-    vehicle = {"vehicle": 'plant = "TwoPartTrain"', "controller": 'kind = "full_brake"', "estimator": 'kind = "none"'}
-    table, text = tables[key]
-    plain = quick_stop("full_brake").replace('[estimator]\nkind = "none"', "").replace(
-        '[controller]\nkind = "full_brake"', ""
-    )  # fmt: skip
-    path = folder / f"{name}-{key}.toml"
-    heads = "\n".join(f"[{head}]\n{text if head == table else other}" for head, other in vehicle.items())
-    path.write_text(f'name = "{name}"\nseed = 1\n{heads}\n{plain}')
+    base, path = folder / "base.toml", folder / f"{name}-{key}.toml"
+    stop_of_plant(base, "TwoPartTrain", trust=False)
+    path.write_text('extends = "base.toml"\n[{}]\n{}\n'.format(*tables[key]))
     message = refusal(path)
     if expected_role(name) == key:
         wants_map = name in ("ForeignTrain", "unnumbered", "renamed")

@@ -1,7 +1,7 @@
 """Creates the tiny FMU of tiny.c, well-behaved or with one fault, with any modelDescription.xml."""
 
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 import fmpy
@@ -28,6 +28,8 @@ UNITS = """
     <Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>
   </UnitDefinitions>"""
 
+LOGS = '\n  <LogCategories><Category name="logStatusError"/></LogCategories>'
+
 WAYS = {
     "CoSimulation": '<CoSimulation modelIdentifier="tiny" canGetAndSetFMUstate="true" '
     'canHandleVariableCommunicationStepSize="true"/>',
@@ -35,7 +37,8 @@ WAYS = {
 }
 
 
-def _row(name: str, reference: int, causality: str, variability: str, initial: str, value: str) -> str:
+def row(name: str, reference: int, causality: str, variability: str, initial: str, value: str) -> str:
+    """Return a variable of a description; `value` is its element without brackets."""
     how = f' initial="{initial}"' if initial else ""
     return (
         f'    <ScalarVariable name="{name}" valueReference="{reference}" causality="{causality}" '
@@ -70,34 +73,51 @@ def xml(
 
     difference = ' relativeQuantity="true"' if relative else ""
     rows = [
-        _row("x", 0, "output", "continuous", "exact", real(state_unit, f' start="1"{difference}')),
-        _row("der(x)", 1, "local", "continuous", "calculated", real(more=' derivative="1"')),
-        _row("u", 2, "input", "continuous", "", real(input_unit, ' start="0"')),
-        _row("rate", 3, "parameter", "fixed", "exact", real(more=' start="2" min="0.1" max="10"')),
-        _row("gain", 4, "parameter", "fixed", "exact", real(more=' start="3"')),
-        _row("y", 5, "output", "continuous", "calculated", real(output_unit)),
-        _row("flag", 6, "output", "discrete", "calculated", "Boolean"),
-        _row("count", 7, "output", "discrete", "calculated", "Integer"),
-        _row("label", 8, "parameter", "fixed", "exact", 'String start="tiny"'),
-        _row("allowed", 9, "parameter", "fixed", "exact", 'Integer start="3"'),
+        row("x", 0, "output", "continuous", "exact", real(state_unit, f' start="1"{difference}')),
+        row("der(x)", 1, "local", "continuous", "calculated", real(more=' derivative="1"')),
+        row("u", 2, "input", "continuous", "", real(input_unit, ' start="0"')),
+        row("rate", 3, "parameter", "fixed", "exact", real(more=' start="2" min="0.1" max="10"')),
+        row("gain", 4, "parameter", "fixed", "exact", real(more=' start="3"')),
+        row("y", 5, "output", "continuous", "calculated", real(output_unit)),
+        row("flag", 6, "output", "discrete", "calculated", "Boolean"),
+        row("count", 7, "output", "discrete", "calculated", "Integer"),
+        row("label", 8, "parameter", "fixed", "exact", 'String start="tiny"'),
+        row("allowed", 9, "parameter", "fixed", "exact", 'Integer start="3"'),
     ]
     if "CoSimulation" in ways:  # a prediction has no discrete inputs
-        rows.append(_row("mode", 10, "input", "discrete", "", 'Integer start="0"'))
+        rows.append(row("mode", 10, "input", "discrete", "", 'Integer start="0"'))
     interfaces = "\n  ".join(WAYS[w] for w in ways)
-    outputs, initial = ("".join(f'<Unknown index="{i}"/>' for i in indices) for indices in ((1, 6, 7, 8), (2, 6, 7, 8)))
+    unknowns = {"Outputs": (1, 6, 7, 8), "Derivatives": (2,), "InitialUnknowns": (2, 6, 7, 8)}
+    more = f'variableNamingConvention="structured" numberOfEventIndicators="{indicators}"'
+    return model_description("Tiny", interfaces + UNITS + LOGS, rows, unknowns, more=more, version=version)
+
+
+def model_description(
+    model: str, head: str, rows: Iterable[str], unknowns: Mapping[str, Iterable[int]], *, more: str,
+    version: str = "2.0", guid: str = GUID,
+) -> str:  # fmt: skip
+    """Return a modelDescription.xml.
+
+    Args:
+        model: Its name.
+        head: Interfaces, and definitions in front of the variables.
+        rows: Variables by `row`.
+        unknowns: Element of the structure → numbers of variables, from 1.
+        more: Further attributes.
+        version: fmiVersion.
+        guid: Identifier, which the library compares.
+    """
+    index = '<Unknown index="{}"/>'.format
+    structure = [f"<{name}>{''.join(map(index, numbers))}</{name}>" for name, numbers in unknowns.items()]
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
-            f'<fmiModelDescription fmiVersion="{version}" modelName="Tiny" guid="{GUID}"',
-            f'    variableNamingConvention="structured" numberOfEventIndicators="{indicators}">',
-            f"  {interfaces}{UNITS}",
-            '  <LogCategories><Category name="logStatusError"/></LogCategories>',
+            f'<fmiModelDescription fmiVersion="{version}" modelName="{model}" guid="{guid}" {more}>',
+            f"  {head}",
             "  <ModelVariables>",
             *rows,
             "  </ModelVariables>",
-            f"  <ModelStructure><Outputs>{outputs}</Outputs>",
-            '  <Derivatives><Unknown index="2"/></Derivatives>',
-            f"  <InitialUnknowns>{initial}</InitialUnknowns></ModelStructure>",
+            f"  <ModelStructure>{''.join(structure)}</ModelStructure>",
             "</fmiModelDescription>",
         ]
     )
@@ -214,7 +234,7 @@ def curved(folder: Path, *, directional: bool = True, forgets: bool = False, wro
         flags=(f'-DTINY_GUID="{GUID}"', *(["-DFORGETS"] if forgets else []), *_WRONG[:wrong]),
     )
     attribute = ' providesDirectionalDerivative="true"' if directional else ""
-    sent = [_row(n, 11 + i, "local", "continuous", "calculated", "Real") for i, n in enumerate(("sent", "asked"))]
+    sent = [row(n, 11 + i, "local", "continuous", "calculated", "Real") for i, n in enumerate(("sent", "asked"))]
     text = _curved_xml(f'<ModelExchange modelIdentifier="curved"{attribute}/>', sent)
     return packed(folder / f"curved_{directional}_{forgets}_{wrong}.fmu", text, library, f"{fmpy.platform}/curved")
 
@@ -246,29 +266,14 @@ def stepped(
 
 
 def _curved_xml(interface: str, more: list[str], *, lists_states: bool = True) -> str:
-    rows = [_row(n, i, "local", "continuous", "exact", 'Real start="0" nominal="1"') for i, n in enumerate("abc")]
+    rows = [row(n, i, "local", "continuous", "exact", 'Real start="0" nominal="1"') for i, n in enumerate("abc")]
     rows += [
-        _row(f"der({n})", 3 + i, "local", "continuous", "calculated", f'Real derivative="{i + 1}"')
+        row(f"der({n})", 3 + i, "local", "continuous", "calculated", f'Real derivative="{i + 1}"')
         for i, n in enumerate("abc")
     ]
-    rows += [_row(f"u[{i + 1}]", 6 + i, "input", "continuous", "", 'Real start="0"') for i in range(2)]
-    rows += [_row(f"y[{i + 1}]", 8 + i, "output", "continuous", "calculated", "Real") for i in range(2)]
-    rows.append(_row("k", 10, "parameter", "fixed", "exact", 'Real start="1"'))
-    rows += more
-    unknown = {i: f'<Unknown index="{i}"/>' for i in range(14)}
-    derivatives = f"<Derivatives>{unknown[4]}{unknown[5]}{unknown[6]}</Derivatives>" if lists_states else ""
-    structure = (
-        f"<Outputs>{unknown[9]}{unknown[10]}</Outputs>{derivatives}"
-        f"<InitialUnknowns>{''.join(unknown[i] for i in (4, 5, 6, 9, 10))}</InitialUnknowns>"
-    )
-    return "\n".join(
-        [
-            f'<fmiModelDescription fmiVersion="2.0" modelName="Curved" guid="{GUID}" numberOfEventIndicators="0">',
-            f"  {interface}",
-            "  <ModelVariables>",
-            *rows,
-            "  </ModelVariables>",
-            f"  <ModelStructure>{structure}</ModelStructure>",
-            "</fmiModelDescription>",
-        ]
-    )
+    rows += [row(f"u[{i + 1}]", 6 + i, "input", "continuous", "", 'Real start="0"') for i in range(2)]
+    rows += [row(f"y[{i + 1}]", 8 + i, "output", "continuous", "calculated", "Real") for i in range(2)]
+    rows.append(row("k", 10, "parameter", "fixed", "exact", 'Real start="1"'))
+    derivatives = {"Derivatives": (4, 5, 6)} if lists_states else {}
+    unknowns = {"Outputs": (9, 10), **derivatives, "InitialUnknowns": (4, 5, 6, 9, 10)}
+    return model_description("Curved", interface, rows + more, unknowns, more='numberOfEventIndicators="0"')
