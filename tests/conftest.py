@@ -11,6 +11,7 @@ import tempfile
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from weakref import WeakSet
 
@@ -166,6 +167,18 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "cache"
     monkeypatch.setenv("RAILGRIP_CACHE", str(folder))
     return folder
+
+
+@pytest.fixture
+def own_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep results of studies apart, so that each case runs; FMUs and libraries are those of all tests."""
+    folder = tmp_path / "results"
+    folder.mkdir()
+    own = SimpleNamespace(
+        find=lambda kind, key, name: next(folder.glob(key), None),
+        keep=lambda kind, key, name, content: (folder / key).write_bytes(content),
+    )
+    monkeypatch.setattr("railgrip.campaign.work.cache", own)
 
 
 @pytest.fixture

@@ -421,7 +421,7 @@ def test_uncertainty_of_load_and_inertia_is_claimed_where_no_state_has_it(short)
     assert np.all((found.variance - modelled(short, found))[:, states().index("speed")] == 0.0)
 
 
-@pytest.mark.usefixtures("own_cache", "in_process")
+@pytest.mark.usefixtures("own_results", "in_process")
 def test_a_search_of_one_estimator_keeps_the_noises_of_all_others(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("railgrip.studies.estimators.case_errors.BUDGET", 2)

@@ -121,7 +121,7 @@ def test_a_typical_run_has_the_median_error_and_diverged_runs_count_as_the_worst
     assert lateral_runs.typical_row("dry", len(errors), 1.0) == {"seed": seed, "error": 5.0}
 
 
-@pytest.mark.usefixtures("own_cache", "in_process")
+@pytest.mark.usefixtures("own_results", "in_process")
 def test_runs_of_a_study_share_their_results():
     """One seed of a short transition, with each kind of rows."""
     size = {"seeds": 1, "duration": 1.0}
