@@ -23,14 +23,20 @@ def words(sentence: str) -> str:
     return f"(?s:{'.*'.join(map(re.escape, sentence.split('…')))})"
 
 
-def answered(question: Callable[[], object], error: type[RailgripError] = RailgripError, longest: int = 2000) -> None:
-    """Call a function that returns or refuses in sentences whose lines are shorter; other exceptions fail the test."""
-    sentences = "an answer"
+def answered(
+    question: Callable[[], object], error: type[Exception] = RailgripError, longest: int = 2000, words: str = ""
+) -> None:
+    """Call a function that returns or refuses in sentences with these words; other exceptions fail the test.
+
+    Lines of the sentences are shorter than `longest`.
+    """
+    sentences = words or "an answer"
     try:
         question()
     except error as refusal:
         sentences = str(refusal)
     assert sentences
+    assert words in sentences
     assert all(len(line) < longest for line in sentences.splitlines())
 
 
