@@ -277,7 +277,13 @@ def campaign_of(
 
 
 def _groups(train: Scenario) -> int:
-    return VehicleData(train).formation.groups
+    if train.vehicle.train is None:
+        return VehicleData(train).formation.groups
+    # The plant of a train file takes seconds to translate, and stops that come with the package need none. Imported
+    # here, because few type tests have a train file, whose schema takes as long to load as numpy.
+    from railgrip.rolling_stock.check import checked_train
+
+    return len(checked_train(train.vehicle.train.path).groups)
 
 
 def controller_digest(entrant: Entrant, folders: Sequence[Path] = ()) -> str:
