@@ -91,6 +91,17 @@ def did_you_mean(
     return f"{before}did you mean {' or '.join(f'{quote}{each}{quote}' for each in near)}?" if near else ""
 
 
+def known_names(names: Iterable[str], name: str) -> str:
+    """Return the known names for a message on an unknown one, and a question if one is near: "a, b; did you mean 'b'?".
+
+    Args:
+        names: Known names.
+        name: Name as typed.
+    """
+    choice = list(names)
+    return ", ".join(choice) + did_you_mean(name, choice, before="; ")
+
+
 def _plain(name: str) -> str:
     return name.casefold().replace("-", "_")
 

@@ -15,7 +15,7 @@ import pandas as pd
 from scipy.optimize import linear_sum_assignment
 
 from railgrip.base.errors import EstimationError, UnitError
-from railgrip.base.names import ElementName, did_you_mean
+from railgrip.base.names import ElementName, known_names
 from railgrip.base.units import conversion, short, turning_of, unit
 from railgrip.estimation.sources import ACCELERATION, UNITS_OF_RUN, signals_of
 from railgrip.estimation.spec import ModelParameter, Specification, load_specification, model_parameters
@@ -269,10 +269,7 @@ def _is_numeric(values: Any) -> bool:
 def _clock(path: Path, file: Columns, time: str | None) -> TimeColumn:
     frame = file.values
     if time is not None and time not in frame:
-        raise EstimationError(
-            f"{path.name}: has no column {short(time)}; it has {', '.join(frame)}"
-            + did_you_mean(time, frame, before="; ")
-        )
+        raise EstimationError(f"{path.name}: has no column {short(time)}; it has {known_names(frame, time)}")
     for name in [time] if time is not None else sorted(frame, key=_is_called_time, reverse=True):
         values = np.asarray(frame[name])
         text = file.units.get(name) or unit_in_brackets(name) or unit_at_end(name, "s")

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from railgrip.base.errors import EstimationError, InputError
-from railgrip.base.names import ElementName, did_you_mean
+from railgrip.base.names import ElementName, did_you_mean, known_names
 from railgrip.base.system import Variable
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.fmi import Description, FmuPrediction
@@ -91,8 +91,7 @@ class PredictionModel:
         if strange:
             known = [variable.name for variable in self.parameters]
             raise EstimationError(
-                f"{self.name} has no parameter {', '.join(strange)}; it has {', '.join(known)}"
-                + did_you_mean(strange[0], known, before="; ")
+                f"{self.name} has no parameter {', '.join(strange)}; it has {known_names(known, strange[0])}"
             )
         return {v.name: given.get(v.name, given.get(ElementName.of(v.name).array, v.start)) for v in self.parameters}
 
@@ -154,10 +153,7 @@ def select_outputs(source: Model, model: str, outputs: tuple[str, ...]) -> Model
     places = [i for output in outputs for i, name in enumerate(names) if output in (name, ElementName.of(name).array)]
     missing = [output for output in outputs if not any(output in (n, ElementName.of(n).array) for n in names)]
     if missing:
-        raise EstimationError(
-            f"{model} has no output {', '.join(missing)}; it has {', '.join(names)}"
-            + did_you_mean(missing[0], names, before="; ")
-        )
+        raise EstimationError(f"{model} has no output {', '.join(missing)}; it has {known_names(names, missing[0])}")
     arguments = [ca.SX.sym(f"a{i}", *source.output.size_in(i)) for i in range(source.output.n_in())]
     selection = ca.Function("output", arguments, [ca.densify(source.output(*arguments))[places]])
     return replace(source, outputs=tuple(source.outputs[i] for i in places), output=selection)

@@ -44,7 +44,7 @@ import xarray
 from pydantic import Field, PrivateAttr, StrictBool
 
 from railgrip.base.errors import EstimationError
-from railgrip.base.names import ElementName, did_you_mean, state_name
+from railgrip.base.names import ElementName, known_names, state_name
 from railgrip.base.tables import TomlTable
 from railgrip.estimation.judgement import check_estimates, check_signals
 from railgrip.estimation.models import DEFAULT, READ_STATES, Kind, PredictionModel, of_class, of_train, units_of
@@ -575,10 +575,7 @@ def _gate(specification: Specification, gate: GateTable) -> Gate:
     )
     first = inputs[0] if inputs else ""
     if first not in units:
-        raise EstimationError(
-            f"{where} inputs: the model has no input '{first}'; it has {', '.join(units)}"
-            + did_you_mean(first, units, before="; ")
-        )
+        raise EstimationError(f"{where} inputs: the model has no input '{first}'; it has {known_names(units, first)}")
     if units[first] == "Pa" and gate.threshold.has_dimension_of("N"):
         threshold = model.release_pressure(parameters_for(specification), gate.threshold.si("N"))
     else:

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, PrivateAttr, StrictBool, StrictInt
 
-from railgrip.base.names import did_you_mean
+from railgrip.base.names import known_names
 from railgrip.base.tables import TomlTable
 from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.brakes import (
@@ -760,8 +760,7 @@ class Train(Table):
                 if name not in choice:
                     raise table_error(
                         f"{where} {key} names '{name}', which is not in [{table}]; it has "
-                        + (", ".join(choice) or "no entries")
-                        + did_you_mean(name, choice, before="; ")
+                        + (known_names(choice, name) or "no entries")
                     )
 
     def _check_air(self) -> None:

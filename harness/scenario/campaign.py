@@ -13,7 +13,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import Field, StrictBool
 
 from railgrip.base.errors import ScenarioError
-from railgrip.base.names import did_you_mean
+from railgrip.base.names import did_you_mean, known_names
 from railgrip.base.tables import TomlTable
 from railgrip.base.units import cut, place
 from railgrip.scenario.file import is_file, locate, nest, read_overrides
@@ -186,8 +186,7 @@ def selection_of(campaign: Campaign, choices: Sequence[str]) -> Campaign:
         if axis not in axes:
             raise ScenarioError(
                 f"--only {cut(choice)}: the campaign {campaign.name} has no axis '{cut(axis)}'; it has "
-                + ", ".join(axes)
-                + did_you_mean(axis, axes, before="; ")
+                + known_names(axes, axis)
             )
         variants = dict.fromkeys(stop.variants[axis] for stop in campaign.stops if axis in stop.variants)
         wanted = names.split(",")
@@ -401,8 +400,7 @@ def _require_variants(path: Path, campaign: CampaignFile, axes: Mapping[str, Map
                 continue
             if axis not in axes:
                 raise ScenarioError(
-                    f"{path.name}: [{table}] names the axis '{axis}'; there is {', '.join(axes)}"
-                    + did_you_mean(axis, axes, before="; ")
+                    f"{path.name}: [{table}] names the axis '{axis}'; there is {known_names(axes, axis)}"
                 )
             for variant in (choice,) if isinstance(choice, str) else choice:
                 if variant not in axes[axis]:

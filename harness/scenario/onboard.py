@@ -11,7 +11,7 @@ from pydantic import Field, StrictBool, ValidationInfo, field_validator
 from railgrip.base import registry
 from railgrip.base.arrays import generator
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
-from railgrip.base.names import did_you_mean
+from railgrip.base.names import did_you_mean, known_names
 from railgrip.base.units import short
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Number, UnitRange
@@ -152,10 +152,7 @@ class BuiltInLaw(TrainLevelTable):
         sets |= {file.removeprefix(f"{kind}."): file for file in files if file.startswith(f"{kind}.")}
         names = [name for name, file in sets.items() if file in files]
         if tuning is not None and tuning not in names:
-            raise table_error(
-                f"is {short(tuning)}; {kind} has {', '.join(names) or 'no set of parameters'}"
-                + did_you_mean(tuning, names, before="; ")
-            )
+            raise table_error(f"is {short(tuning)}; {kind} has {known_names(names, tuning) or 'no set of parameters'}")
         if "paper" in names:
             return tuning or "paper"
         return None if tuning == "searched" else tuning
