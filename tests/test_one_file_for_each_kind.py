@@ -175,7 +175,8 @@ def more(tmp_path, monkeypatch):
     for (package, name), text in FILES.items():
         folder = tmp_path / package
         folder.mkdir(exist_ok=True)
-        (folder / name).write_text(dedent(text).lstrip(), encoding="utf-8")
+        for file in (name, f"copy of {name}"):
+            (folder / file).write_text(dedent(text).lstrip(), encoding="utf-8")
         module = importlib.import_module(package)
         if str(folder) not in module.__path__:
             monkeypatch.setattr(module, "__path__", [*module.__path__, str(folder)])
@@ -189,6 +190,12 @@ PLAIN = {"start.speed": "30 km/h", "controller.kind": "share", "estimator.kind":
 
 def run(**changes):
     return rg.run(rg.Scenario.load("plain").changed({**PLAIN, **changes}))
+
+
+def test_copies_that_an_editor_leaves_are_no_kinds(more):
+    found = [name for kind in registry.SECTIONS for name in registry.names(kind)]
+    assert {"share", "coarse", "moss"} <= {*found, *registry.modules(registry.SENSORS)}
+    assert [name for name in found if name.startswith("copy of")] == []
 
 
 def test_each_kind_is_used_in_a_stop_by_its_name(more):

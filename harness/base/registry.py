@@ -185,12 +185,14 @@ def _folders(package: str) -> tuple[str, ...]:
 # Cached, because a campaign reads thousands of scenarios.
 @cache
 def _modules(folders: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(module.name for module in iter_modules(folders))
+    # An editor may leave "copy of law.py", which no program could import.
+    return tuple(module.name for module in iter_modules(folders) if module.name.isidentifier())
 
 
 @cache
 def _files(folders: tuple[str, ...]) -> dict[str, Path]:
-    return {path.stem: path for folder in folders for path in sorted(Path(folder).glob("*.toml"))}
+    paths = (path for folder in folders for path in sorted(Path(folder).glob("*.toml")))
+    return {path.stem: path for path in paths if path.stem.isidentifier()}
 
 
 def _classes(module: str, base: type[_Part]) -> list[type[_Part]]:
