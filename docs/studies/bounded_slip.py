@@ -126,13 +126,7 @@ def slip_bound(rail: RailAhead, release: BrakeRelease, horizon: float = HORIZON)
 
 
 def with_certificate(
-    trace: xarray.Dataset,
-    contact: Contact,
-    brakes: Sequence[Brake | None],
-    valves: Mapping[str, float],
-    *,
-    choked: float,
-    window: float,
+    trace: xarray.Dataset, contact: Contact, brakes: Sequence[Brake | None], valves: Mapping[str, float], window: float
 ) -> xarray.Dataset:
     """Return the certificate of a stop with valves and one creep curve, every `STRIDE`.
 
@@ -149,18 +143,16 @@ def with_certificate(
         trace: All samples of the stop.
         contact: The creep curve.
         brakes: Of each group, None if isolated.
-        valves: Dead times and time constants by the names of the plant's parameters [s].
-        choked: Rate of pressure through the choked vent valve [Pa/s].
+        valves: Dead times and time constants by the names of the plant's parameters [s], and `rate_choked`, the rate of
+            pressure through the choked vent valve [Pa/s].
         window: Time over which a law compares adhesion and slip [s].
     """
     period = float(trace["time"].values[1] - trace["time"].values[0])
     step, ahead = max(1, round(STRIDE / period)), round(HORIZON / STRIDE)
     samples = round(valves["dead_fill"] / period) + 2  # of commands that are under way
-    filling = (
-        _ahead(trace["command"].values[::-1] >= 0.5, samples - 1, constant_values=False)[::-1].sum(axis=-1) * period
-    )
+    fills = _ahead(trace["command"].values[::-1] >= 0.5, samples - 1, constant_values=False)[::-1]
+    filling = fills[::step].sum(axis=-1) * period
     rows = trace.isel(time=slice(0, None, step))
-    filling = filling[::step]
     speed = rows["speed"].values
     count, groups = rows["slip"].shape
     then = np.minimum(np.arange(count) + max(1, round(window / STRIDE)), count - 1)
@@ -173,7 +165,7 @@ def with_certificate(
             continue
         load, friction = rows["wheelset_load"].values[:, members], rows["mu0"].values[:, members]
         slip = rows["slip"].values[:, group]
-        release = _release(rows, group, brake, valves, choked, filling[:, group])
+        release = _release(rows, group, brake, valves, filling[:, group])
         rail = _rail(contact, brake, slip, speed, load, friction, ahead)
         results["slip_bound"][:, group] = slip_bound(rail, release)
         present = _force(contact, slip, speed, load, friction) / load.sum(axis=1)
@@ -198,7 +190,7 @@ def _reached(slip: Array, venting: NDArray[np.bool_], ahead: int) -> Array:
 
 
 def _release(
-    rows: xarray.Dataset, group: int, brake: Brake, valves: Mapping[str, float], choked: float, filling: Array
+    rows: xarray.Dataset, group: int, brake: Brake, valves: Mapping[str, float], filling: Array
 ) -> BrakeRelease:
     """Return the release of a group; `filling` is the time of the last commands to fill that are under way [s]."""
     pad = rows["pad_friction"].values[:, group]
@@ -213,7 +205,7 @@ def _release(
         torque_per_pressure=per_pressure,
         offset=offset,
         vent_time=valves["T_vent"],
-        choked=choked,
+        choked=valves["rate_choked"],
     )
 
 
@@ -275,8 +267,8 @@ def count_of(stop: rg.Stop) -> dict[str, int]:
     """
     vehicle = VehicleData(stop.scenario)
     true = vehicle.true
-    choked = true.parameters.get("rate_choked", CHOKED)
-    found = with_certificate(stop.trace, vehicle.contact, true.brakes, true.valves, choked=choked, window=WINDOW)
+    valves = {**true.valves, "rate_choked": true.parameters.get("rate_choked", CHOKED)}
+    found = with_certificate(stop.trace, vehicle.contact, true.brakes, valves, WINDOW)
     rows = stop.trace.sel(time=found["time"])
     has_brake = np.array([brake is not None for brake in true.brakes])
     sliding = (found["slip"].values > SLIDING) & (rows["speed"].values > FAST)[:, None] & has_brake

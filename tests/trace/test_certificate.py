@@ -24,8 +24,8 @@ BRAKE = Brake(
     pressure_max=3.8e5,
 )
 PADS = 0.35
-VALVES = {"T_fill": 0.4, "T_vent": 0.2, "dead_fill": 0.05, "dead_vent": 0.04}
 CHOKED = 15e5
+VALVES = {"T_fill": 0.4, "T_vent": 0.2, "dead_fill": 0.05, "dead_vent": 0.04, "rate_choked": CHOKED}
 SLOWING = 0.5  # m/s²
 
 
@@ -83,7 +83,7 @@ def slide(contact, speed, friction, release_at):
 
 
 def certificate_of(trace, contact):
-    return with_certificate(trace, contact, (BRAKE,), VALVES, choked=CHOKED, window=0.1)
+    return with_certificate(trace, contact, (BRAKE,), VALVES, window=0.1)
 
 
 def friction_of(mean, deviation, correlation, seed, duration=1.6):
