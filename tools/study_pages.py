@@ -34,11 +34,16 @@ class Cell(NamedTuple):
     content: str
     before: int
 
+    @property
+    def is_text(self) -> bool:
+        """Whether it has text; a title may be before the mark."""
+        return "[markdown]" in self.head or "[md]" in self.head
+
 
 def pages(folder: Path = FOLDER) -> dict[str, Path]:
     """Return the pages in a folder by their names; its other scripts are modules with functions."""
     found = {path.stem: path for path in sorted(folder.glob("*.py"))}
-    return {name: path for name, path in found.items() if _HEAD.match(path.read_text(encoding="utf-8"))}
+    return {name: path for name, path in found.items() if _HEAD.search(path.read_text(encoding="utf-8"))}
 
 
 def cells(text: str) -> Iterator[Cell]:
@@ -49,7 +54,9 @@ def cells(text: str) -> Iterator[Cell]:
 
 
 def text_of(cell: Cell) -> str:
-    """Return the Markdown of a text cell."""
+    """Return the Markdown of a text cell: comments, or a string as editors of notebooks may write it."""
+    if cell.content.lstrip("r").startswith('"""'):
+        return ast.literal_eval(cell.content).strip()
     return re.sub(r"^# ?", "", cell.content, flags=re.MULTILINE)
 
 
@@ -68,7 +75,7 @@ def execute(page: Path, out: Path, *, quick: bool = False, anew: bool = False) -
         sys.path.append(str(source.parent))
     with chdir(target if quick or anew else source.parent):
         for cell in cells(source.read_text(encoding="utf-8")):
-            if cell.head.startswith("[markdown]"):
+            if cell.is_text:
                 parts.append(text_of(cell))
                 continue
             printed, value = run(cell, names, str(source))

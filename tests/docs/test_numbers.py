@@ -92,7 +92,7 @@ _TOKENS = re.compile(r"(?<![\w.])\d(?:_?\d)*(?:\.\d+)?(?:e[+-]?\d+)?")
 def test_every_result_is_written_by_a_command(page: Path):
     text = page.read_text(encoding="utf-8")
     if page.suffix == ".py":
-        text = "\n\n".join(text_of(cell) for cell in cells(text) if cell.head.startswith("[markdown]"))
+        text = "\n\n".join(text_of(cell) for cell in cells(text) if cell.is_text)
     # The code of tutorials runs in a test, and their text repeats its numbers.
     known = "".join(re.findall(r"```.*?```", text, re.DOTALL)) if page.parent.name == "tutorials" else ""
     assert not list(results_in(text, known))

@@ -45,6 +45,36 @@ rg.table(frame, {"square": "{:.1f} m"})
 """
 
 
+SAVED = """# ---
+# jupyter:
+#   jupytext:
+#     text_representation:
+#       format_name: percent
+# ---
+
+# %% A title [markdown]
+# # Title
+
+# %% [md]
+r\"\"\"
+The friction $\\mu$ of `x`.
+\"\"\"
+
+# %%
+1 + 1
+"""
+
+
+def test_a_page_that_a_notebook_has_saved_is_the_same_page(tmp_path):
+    """With a header, and text as a string: the forms that Jupytext reads and writes."""
+    (tmp_path / "saved.py").write_text(SAVED, encoding="utf-8")
+    (tmp_path / "module.py").write_text("ONE = 1\n", encoding="utf-8")
+    assert list(pages(tmp_path)) == ["saved"]
+    written = execute(tmp_path / "saved.py", tmp_path / "out").read_text(encoding="utf-8")
+    assert written.startswith("# Title\n\nThe friction $\\mu$ of `x`.\n\n")
+    assert "jupytext" not in written
+
+
 @pytest.mark.parametrize("quick", [False, True])
 @pytest.mark.usefixtures("own_cache", "in_process")
 def test_a_page_shows_text_output_and_last_value_and_runs_its_cases_once(quick, tmp_path, monkeypatch):
