@@ -53,11 +53,9 @@ class Pipe:
         begin = np.full(LENGTHS.size, np.nan)
         for number in range(int(until / step)):
             old = state
-            state = [a + step * b for a, b in zip(old, self._rates(old, dx, site, venting), strict=True)]
-            rates = self._rates(state, dx, site, venting)
-            state = [0.75 * a + 0.25 * (b + step * c) for a, b, c in zip(old, state, rates, strict=True)]
-            rates = self._rates(state, dx, site, venting)
-            state = [a / 3 + 2 / 3 * (b + step * c) for a, b, c in zip(old, state, rates, strict=True)]
+            for share in (1, 1 / 4, 2 / 3):
+                rates = self._rates(state, dx, site, venting)
+                state = [(1 - share) * a + share * (b + step * c) for a, b, c in zip(old, state, rates, strict=True)]
             pressure = state[0][site] - ATMOSPHERE
             ready = np.where(ready, pressure > self.closing, pressure > 4.5e5)
             venting = ready & (venting | (state[4] - pressure > self.sensing * self.rate_open))
