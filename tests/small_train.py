@@ -32,6 +32,11 @@ def halved(text: str) -> str:
     return text.replace('mass = "44 t"', 'mass = "22 t"').replace(', { kind = "trailer", at = "20.5 m" }', "")
 
 
+def without_command(text: str) -> str:
+    """Return the text without [command]: the demand is in the cylinders at once."""
+    return text[: text.index("[command]")] + text[text.index("[resistance]") :]
+
+
 def with_constant_friction(text: str) -> str:
     """Return the text with pads whose friction does not depend on anything."""
     return re.sub(r"^((?:speed|force|temperature)_effect) = [\d.]+", r"\1 = 0.0", text, flags=re.MULTILINE)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import rumoca
 from maxima_stops import energy_error
+from small_train import without_command
 
 import railgrip as rg
 from railgrip.base.errors import ScenarioError
@@ -69,7 +70,7 @@ def train_file(tmp_path_factory):
     """
     text = shelf("trains")["vt642"].read_text(encoding="utf-8")
     file = tmp_path_factory.mktemp("direct") / "direct.toml"
-    file.write_text(text[: text.index("[command]")] + text[text.index("[resistance]") :], encoding="utf-8")
+    file.write_text(without_command(text), encoding="utf-8")
     steps = {"phases": [{"pressure": "1.5 bar", "until": {"duration": "2 s"}}, {"pressure": "0.5 bar"}]}
     table = {"name": "short", "limits": {"horizon": "4 s"}, "demand": steps, "estimator": {"kind": "none"}}
     table |= {"controller": {"kind": "full_brake"}, "adhesion": {"kind": "constant", "mu0": 0.3}}
@@ -210,19 +211,15 @@ def locomotive(tmp_path_factory):
     for whole, half in halves:
         assert whole in only
         only = only.replace(whole, half)
-    command = only[only.index("[command]") : only.index("[resistance]")]
     file = tmp_path_factory.mktemp("train") / "locomotive.toml"
-    file.write_text(only.replace(command, ""), encoding="utf-8")
+    file.write_text(without_command(only), encoding="utf-8")
     assert len(tomllib.loads(text)["bogies"]["locomotive"]["axles"]) == 3
     phases = [{"pressure": "3.4 bar", "until": {"duration": "6 s"}}, {"pressure": "0 bar"}]
     changes = {"name": "locomotive", "vehicle": {"train": str(file)}, "truth": {"mechanics": "detailed"}}
     changes |= {"start": {"speed": "120 km/h"}, "limits": {"horizon": "16 s"}, "demand": {"phases": phases}}
     changes |= {"estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
-    changes |= {
-        "adhesion": {"kind": "constant", "mu0": 0.3},
-        "actuation": {"kind": "ideal"},
-        "sensors": {"kind": "ideal"},
-    }
+    changes |= {"adhesion": {"kind": "constant", "mu0": 0.3}, "actuation": {"kind": "ideal"}}
+    changes |= {"sensors": {"kind": "ideal"}}
     return rg.run(scenario_of(merge(train_of(str(file)), changes), directory=Path(), origin="test"))
 
 

@@ -21,6 +21,12 @@ def train(*faults, **changes):
     return scenario_of(table | {"faults": list(faults)}, directory=LIBRARY, origin="broken")
 
 
+def stuck(begin):
+    """Return faults of the valves of the first three groups."""
+    return [{"part": "valve", "kind": kind, "group": g, "begin": begin}
+            for g, kind in enumerate(("filled", "dumped", "held"), start=1)]  # fmt: skip
+
+
 @pytest.fixture(scope="module")
 def healthy():
     return run_stop(train())
@@ -38,8 +44,7 @@ def test_the_faulty_train_of_the_library_stops():
 
 
 def test_stuck_valves_act_according_to_the_name_of_the_fault(healthy):
-    stop = run_stop(train(*({"part": "valve", "kind": kind, "group": g, "begin": "2 s"}
-                        for g, kind in enumerate(("filled", "dumped", "held"), start=1))))  # fmt: skip
+    stop = run_stop(train(*stuck("2 s")))
     late = stop.trace.sel(time=slice(4.0, None))
     command, pressure = late["command"].values, late["cylinder_pressure"].values
     assert (command[:, :3] == [1, -1, 0]).all()
@@ -80,9 +85,7 @@ def test_an_isolated_unit_lowers_the_torque_by_its_share(healthy):
 
 def test_valve_faults_also_apply_to_ideal_actuation():
     ideal = {"vehicle": {"plant": "TwoPartTrain"}, "actuation": {"kind": "ideal"}}
-    kinds = [{"part": "valve", "kind": kind, "group": g, "begin": "1 s"}
-             for g, kind in enumerate(("filled", "dumped", "held"), start=1)]  # fmt: skip
-    stop = run_stop(train(*kinds, {"part": "valve", "kind": "slow", "group": 4, "value": "50 ms"}, **ideal))
+    stop = run_stop(train(*stuck("1 s"), {"part": "valve", "kind": "slow", "group": 4, "value": "50 ms"}, **ideal))
     command = stop.trace["command"].values
     assert (command[1001:, 0] == 3.4e5).all()
     assert (command[1001:, 1] == 0.0).all()

@@ -1,14 +1,12 @@
 """The best possible stop is found on any grid, and one that exceeds the horizon is reported."""
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from sampling import sample
 from synthetic import LIBRARY
 
-import railgrip.scenario
 from railgrip.scenario.file import merge
 from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.simulate.ideal import ideal_stop
@@ -172,17 +170,13 @@ def test_with_the_truth_and_valves_a_stop_is_within_five_percent_of_the_bound(cu
     Where the peak is sharp, valves follow its slip less well. The stop was 14 % longer than the bound there when a
     wheel was controlled by its slip alone, whose changes were within the band of the valves.
     """
-    equipment = Path(railgrip.scenario.__file__).parent / "equipment" / "service.toml"
-    table = merge(read_toml(LIBRARY / "plain.toml"), read_toml(equipment))
-    table = merge(
-        table,
-        {
-            "start": {"speed": "40 km/h"}, "adhesion": {"polach": curve}, "estimator": {"kind": "none"},
-            "faults": [{"part": "radar", "kind": "zero"}],
-        },
-    )  # fmt: skip
+    scenario = load(LIBRARY / "plain.toml").revised(read_toml(LIBRARY.parent / "equipment" / "service.toml"))
+    common = {
+        "start": {"speed": "40 km/h"}, "adhesion": {"polach": curve}, "estimator": {"kind": "none"},
+        "faults": [{"part": "radar", "kind": "zero"}],
+    }  # fmt: skip
     bound, tracking = (
-        run_stop(scenario_of(merge(table, changes), directory=LIBRARY, origin="test"))
+        run_stop(scenario.revised(common | changes))
         for changes in (
             {"controller": {"kind": "ideal_bound"}, "periods": COARSE},
             {"controller": {"kind": "ideal_tracking"}},

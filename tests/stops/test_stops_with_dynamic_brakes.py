@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from braked import dry
-from small_train import COUPLED, dynamic_brake, with_constant_friction
+from small_train import COUPLED, dynamic_brake, one_bogie, with_constant_friction, without_command
 from synthetic import MOTOR, ON_RAIL
 
 from railgrip.base.errors import ScenarioError
@@ -34,6 +34,15 @@ def write(folder):
     text = text.replace('kind = "trailer"', 'kind = "motor"', 1).replace('kind = "trailer"', 'kind = "magnets"', 1)
     (folder / "train.toml").write_text(text.replace('coupler = "bar"', "", 1), encoding="utf-8")
     return folder / "train.toml"
+
+
+def one_braked_bogie(file, name, brake, change=str):
+    """Write a car on one bogie of coupled axles with a dynamic brake; its pads have constant friction."""
+    text = with_constant_friction(one_bogie("braked").replace("coupled = false", "coupled = true"))
+    text = text.replace("wheel_radius", f'dynamic_brake = "{name}"\nwheel_radius', 1)
+    text = text.replace("[couplers.bar]", f"{dynamic_brake(name, brake)}\n[couplers.bar]")
+    file.write_text(change(text), encoding="utf-8")
+    return file
 
 
 def scenario(file, mu0=0.5, **changes):
@@ -93,11 +102,9 @@ def test_an_estimator_that_does_not_know_the_dynamic_brakes_is_refused(driven):
         vehicle.require_known_forces()
 
 
-def test_dump_valves_without_a_command_do_not_know_the_demand(driven, tmp_path):
+def test_dump_valves_without_a_command_do_not_know_the_demand(tmp_path):
     """With a [command], pipe or wire bring the demand to the blending: test_demands_through_the_command.py."""
-    text = driven.read_text(encoding="utf-8").replace('blending = "valve"', 'blending = "added"')
-    file = tmp_path / "direct.toml"
-    file.write_text(text[: text.index("[command]")] + text[text.index("[resistance]") :], encoding="utf-8")
+    file = one_braked_bogie(tmp_path / "direct.toml", "motor", MOTOR | {"blending": "added"}, without_command)
     demand = {"actuation": {"kind": "pneumatic"}, "demand": {"phases": [{"pressure": "1 bar"}]}}
     with pytest.raises(ScenarioError, match=r"\[demand\] with \[actuation\] kind = 'pneumatic'"):
         VehicleData(scenario(file, **demand)).require_known_forces()
