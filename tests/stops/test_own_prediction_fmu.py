@@ -4,25 +4,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from edited_fmu import replaced, with_description, with_own_prediction
+from edited_fmu import replaced, short_stop, with_description
 from wrong import table
 
-import railgrip.scenario
 from railgrip.base.errors import ScenarioError
 from railgrip.fmus.build import fmu
 from railgrip.scenario.load import load
 from railgrip.simulate.run import run_stop
 
-TRAPEZOID = (Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml").read_text()
-
 
 def own(folder: Path, *edits: tuple[str, str], name: str = "TrainPrediction") -> Path:
     """Write the FMU of a recipe under another name, with an edited description."""
     return with_description(fmu(name), folder / f"Mine{name}.fmu", lambda text: replaced(text, *edits))
-
-
-def scenario_with(file: Path, *changes: str, trust: bool = True):
-    return load(with_own_prediction(TRAPEZOID, file, f"trust = {str(trust).lower()}"), ["limits.horizon=2 s", *changes])
 
 
 def estimates(scenario, notify: list[str] | None = None) -> np.ndarray:
@@ -33,21 +26,21 @@ def estimates(scenario, notify: list[str] | None = None) -> np.ndarray:
 def test_a_prediction_fmu_of_a_user_estimates_like_the_recipe(tmp_path: Path):
     """Gate and start come from the train's nominal data, which equal those of the class: rounding, over 2000 steps."""
     ours = load(Path("trapezoid"), ["limits.horizon=2 s"])
-    mine = scenario_with(own(tmp_path))
+    mine = short_stop(own(tmp_path))
     np.testing.assert_allclose(estimates(mine), estimates(ours), rtol=1e-9, atol=1e-9)
     assert mine.files()[0].path.name == "MineTrainPrediction.fmu"
 
 
 def test_a_parameter_of_the_fmu_may_be_changed(tmp_path: Path):
     file = own(tmp_path)
-    lighter = scenario_with(file, "estimator.parameters.k_primary=1 MN/m")
-    assert not np.allclose(estimates(lighter), estimates(scenario_with(file)), rtol=1e-3)
+    lighter = short_stop(file, "estimator.parameters.k_primary=1 MN/m")
+    assert not np.allclose(estimates(lighter), estimates(short_stop(file)), rtol=1e-3)
 
 
 def test_without_directional_derivatives_differences_are_used_and_reported(tmp_path: Path):
     sentences: list[str] = []
     without = own(tmp_path, ('providesDirectionalDerivative="true"', ""))
-    differences = estimates(scenario_with(without), sentences)
+    differences = estimates(short_stop(without), sentences)
     assert sentences == [
         "[estimator]: MineTrainPrediction.fmu offers no directional derivatives; the filter takes central differences"
     ]
@@ -57,10 +50,10 @@ def test_without_directional_derivatives_differences_are_used_and_reported(tmp_p
 
 def test_its_code_runs_only_with_permission_of_the_scenario(tmp_path: Path):
     with pytest.raises(ScenarioError, match=r"MineTrainPrediction.fmu would run in this process; .* set trust = true"):
-        scenario_with(own(tmp_path), trust=False)
+        short_stop(own(tmp_path), trust=False)
 
 
 @pytest.mark.parametrize(("edits", "sentence"), table(__file__, "tables.toml")["wrong_predictions"])
 def test_a_prediction_fmu_with_other_variables_is_refused(tmp_path: Path, edits, sentence):
     with pytest.raises(ScenarioError, match=sentence):
-        run_stop(scenario_with(own(tmp_path, *edits)))
+        run_stop(short_stop(own(tmp_path, *edits)))

@@ -14,31 +14,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from edited_fmu import replaced, with_description, with_own_prediction
+from edited_fmu import replaced, short_stop, with_description, with_own_prediction
 from sampling import sample
 from table_1 import table_1_scenario
 from waiting import LONGEST, until
 
-import railgrip.scenario
 from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.fmi import describe
 from railgrip.fmus.native import package
 from railgrip.report.stop import Stop
-from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.scenario.schema import Scenario
 from railgrip.simulate.named_models import prediction_description
 from railgrip.simulate.run import run_stop
 
-TRAPEZOID = (Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml").read_text()
 STEPPED = "estimator.interface=co_simulation"
 ESTIMATES = ("estimate_speed", "estimate_adhesion", "estimate_slip", "estimate_pad_friction")
-
-
-def stepped(scenario: Scenario) -> Scenario:
-    return scenario.model_copy(
-        update={"estimator": scenario.estimator.model_copy(update={"interface": "co_simulation"})}
-    )
 
 
 def largest_difference(one: Stop, other: Stop) -> float:
@@ -54,19 +45,10 @@ def test_estimates_and_distances_of_table_1_are_those_by_model_exchange(stop: st
     The distance follows from the estimates through a continuous law; 1 mm is a thousandth of what a figure shows.
     """
     by_model_exchange = table_1_scenario(f"{stop}-adhesion_based")
-    stops = [run_stop(scenario) for scenario in (by_model_exchange, stepped(by_model_exchange))]
+    stepped = by_model_exchange.revised({"estimator": {"interface": "co_simulation"}})
+    stops = [run_stop(scenario) for scenario in (by_model_exchange, stepped)]
     assert largest_difference(*stops) < 1e-6
     assert stops[1].metrics.distance == pytest.approx(stops[0].metrics.distance, abs=1e-3)
-
-
-def test_the_prediction_of_any_train_may_integrate_itself():
-    """Without a class, the prediction is made from the train's nominal data."""
-    table = load(Path("plain")).resolved() | {"vehicle": {"train": "vt642"}, "start": {"speed": "15 km/h"}}
-    table |= {"controller": {"kind": "slip_two_state"}, "adhesion": table["adhesion"] | {"mu0": 0.08}}
-    estimators = [{"kind": "fmu", "noise": "ideal"} | more for more in ({}, {"interface": "co_simulation"})]
-    stops = [run_stop(scenario_of(table | {"estimator": one}, directory=Path(), origin="any")) for one in estimators]
-    assert "ConsistPrediction.fmu" in stops[1].fmus
-    assert largest_difference(*stops) < 1e-6
 
 
 def own(folder: Path, *edits: tuple[str, str]) -> Path:
@@ -83,10 +65,6 @@ def own(folder: Path, *edits: tuple[str, str]) -> Path:
     return file
 
 
-def scenario_with(file: Path, *changes: str) -> Scenario:
-    return load(with_own_prediction(TRAPEZOID, file), ["limits.horizon=2 s", *changes])
-
-
 @pytest.mark.parametrize(("edits", "tolerance"), [((), 1e-6), ((('providesDirectionalDerivative="true"', ""),), 1e-4)])
 def test_a_prediction_of_a_user_may_integrate_itself(tmp_path: Path, edits, tolerance: float):
     """Differences give the Jacobian of the step, which tests/fmi/test_stepped_prediction.py compares with that of its
@@ -96,7 +74,7 @@ def test_a_prediction_of_a_user_may_integrate_itself(tmp_path: Path, edits, tole
     by 2e-4 of itself in a millisecond, and so do gains at the beginning of a stop.
     """
     sentences: list[str] = []
-    mine = run_stop(scenario_with(own(tmp_path, *edits), STEPPED), notify=sentences.append)
+    mine = run_stop(short_stop(own(tmp_path, *edits), STEPPED), notify=sentences.append)
     ours = run_stop(load(Path("trapezoid"), ["limits.horizon=2 s"]))
     assert largest_difference(mine, ours) < tolerance
     missing = "[estimator]: Mine.fmu offers no directional derivatives; the filter takes central differences"
@@ -105,7 +83,7 @@ def test_a_prediction_of_a_user_may_integrate_itself(tmp_path: Path, edits, tole
 
 def test_a_prediction_for_co_simulation_alone_needs_the_key(tmp_path: Path):
     with pytest.raises(ScenarioError, match=r"Mine\.fmu offers only Co-Simulation; set interface = 'co_simulation'"):
-        run_stop(scenario_with(own(tmp_path)))
+        run_stop(short_stop(own(tmp_path)))
 
 
 HOSTILE = """
@@ -138,7 +116,7 @@ def test_a_prediction_by_fmi_3_is_refused_by_either_interface(source: package.So
     file = package.pack(package.as_fmi_3(source), tmp_path / "Mine.fmu")
     for changes in ([], [STEPPED]):
         with pytest.raises(FmuError, match=r"by FMI 2\.0, this is FMI 3\.0; export it as FMI 2\.0"):
-            run_stop(scenario_with(file, *changes))
+            run_stop(short_stop(file, *changes))
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +125,7 @@ def hostile(source: package.Source, tmp_path_factory: pytest.TempPathFactory) ->
     before, name = "    (void)no_set_state;\n", "cosimulation.c"
     text = "#include <stdio.h>\n#include <stdlib.h>\n" + replaced(source.files[name], (before, before + HOSTILE))
     changed = replace(source, files=source.files | {name: text})
-    return with_own_prediction(TRAPEZOID, package.pack(changed, tmp_path_factory.mktemp("hostile") / "Mine.fmu"))
+    return with_own_prediction(package.pack(changed, tmp_path_factory.mktemp("hostile") / "Mine.fmu"))
 
 
 @pytest.mark.parametrize(

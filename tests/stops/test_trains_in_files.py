@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from braked import dry
 from sampling import FUZZ
-from small_train import COUPLED
+from small_train import COUPLED, without_command
 from train_stops import filling_of
 
 import railgrip.scenario
@@ -36,8 +36,7 @@ def direct(tmp_path_factory):
     """
     folder = tmp_path_factory.mktemp("direct")
     text = (TRAINS / "vt642.toml").read_text(encoding="utf-8")
-    begin = text.index("[command]")
-    (folder / "direct.toml").write_text(text[:begin] + text[text.index("[resistance]") :], encoding="utf-8")
+    (folder / "direct.toml").write_text(without_command(text), encoding="utf-8")
     return folder
 
 
@@ -105,21 +104,22 @@ def test_kinds_of_bogies_with_similar_names_keep_their_pads(tmp_path):
     assert distance == pytest.approx(expected, rel=0.03)  # as for the trains of the library
 
 
-def test_a_train_file_has_one_central_filter_in_three_ways(direct):
-    """A Modelica class from its nominal data: as generated C, in numpy, and as a recorded FMU."""
+def test_a_train_file_has_one_central_filter_in_four_ways(direct):
+    """A class from its nominal data: as generated C, in numpy, as a recorded FMU, and as one that integrates itself."""
     adhesion = load(Path("plain")).resolved()["adhesion"] | {"mu0": 0.08}
-    estimates = {}
-    for kind in ("compiled", "python", "fmu"):
-        estimator = {"kind": kind, "noise": "ideal"}
-        changes = {"estimator": estimator, "adhesion": adhesion, "controller": {"kind": "slip_two_state"}}
-        stop = run_stop(dry({"train": "direct.toml"}, "15 km/h", direct, **changes))
-        assert ("ConsistPrediction.fmu" in stop.fmus) == (kind == "fmu")
-        estimates[kind] = stop.trace[["estimate_adhesion", "estimate_slip", "estimate_pad_friction"]].to_array().values
+    ways = [{"kind": kind} for kind in ("compiled", "python", "fmu")]
+    ways.append({"kind": "fmu", "interface": "co_simulation"})
+    estimates = []
+    for way in ways:
+        changes = {"estimator": way | {"noise": "ideal"}, "controller": {"kind": "slip_two_state"}}
+        stop = run_stop(dry({"train": "direct.toml"}, "15 km/h", direct, adhesion=adhesion, **changes))
+        assert ("ConsistPrediction.fmu" in stop.fmus) == (way["kind"] == "fmu")
+        estimates.append(stop.trace[["estimate_adhesion", "estimate_slip", "estimate_pad_friction"]].to_array().values)
         rolling = (stop.trace["time"] > 0.5) & (stop.trace["speed"] > 1)
         truth = stop.trace["group_adhesion"].values[rolling]
-        assert np.abs(estimates[kind][0][rolling] - truth).max() < 0.01
-    for kind in ("python", "fmu"):
-        np.testing.assert_allclose(estimates[kind], estimates["compiled"], rtol=1e-6, atol=1e-9)
+        assert np.abs(estimates[-1][0][rolling] - truth).max() < 0.01
+    for found, error in zip(estimates[1:], (1e-9, 1e-9, 1e-6), strict=True):
+        np.testing.assert_allclose(found, estimates[0], rtol=1e-6, atol=error)
 
 
 @pytest.fixture
@@ -256,8 +256,6 @@ def test_an_invalid_train_is_refused_in_a_sentence(tmp_path):
     (tmp_path / "bad.toml").write_text('name = "bad"\n', encoding="utf-8")
     with pytest.raises(ScenarioError, match=r"bad.toml: \[brakes\] is missing"):
         plant_description(dry({"train": "bad.toml"}, "50 km/h", tmp_path))
-    with pytest.raises(ScenarioError, match="has two plants"):
-        dry({"train": "tram", "plant": "TwoPartTrain"}, "50 km/h")
 
 
 def test_an_unknown_load_changes_the_mass_and_not_the_initial_speed():
