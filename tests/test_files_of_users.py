@@ -18,7 +18,7 @@ from railgrip.estimators.learned.trained import load as load_trained
 from railgrip.fmi import describe
 from railgrip.fmus.native.library import library_digest
 from railgrip.recording.files import read_mf4, read_table
-from railgrip.report.table import page_text
+from railgrip.report.table import write_tables
 from railgrip.rolling_stock.schema import load_train
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import load_campaign
@@ -127,7 +127,7 @@ INPUTS: dict[str, tuple[str, dict[str, str], Callable[[Path], object]]] = {
         lambda path: library_digest(path.parent),
     ),
     "conditioning": ("x.json", {}, read_conditioning),
-    "page": ("x.md", {}, page_text),
+    "page": ("x.md", {}, lambda path: write_tables(path, {})),
     "trained estimator": ("x.json", {}, load_trained),
     **{f"recording {suffix}": (f"x{suffix}", {}, read_table) for suffix in (".csv", ".parquet", ".mat")},
     "inspection": ("x.csv", {}, lambda path: inspect_recording(path, Path("wagon"))),

@@ -25,7 +25,7 @@ from railgrip.campaign.workers import answer, collect
 from railgrip.campaign.workers import workers as processes
 from railgrip.report.console import progress, remark
 from railgrip.report.results import read_results
-from railgrip.report.stop import CAMPAIGN_FILE, STOP_FILE, Stop, others_like, read_stop
+from railgrip.report.stop import Stop, is_campaign, read_stop
 from railgrip.report.table import names
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop
@@ -241,10 +241,7 @@ def load_results(folder: Path) -> Stop | Sweep:
         RecordError: The folder has no result, a result is unreadable, or the samples of the stop were not kept.
         ScenarioError: A file that the scenario of the stop names is missing.
     """
-    if not (folder / CAMPAIGN_FILE).exists():
-        if not (folder / STOP_FILE).exists():
-            like = others_like(folder) or "; name the folder of a run or campaign"
-            raise RecordError(f"{folder}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}{like}")
+    if not is_campaign(folder):
         stop = read_stop(folder)
         if stop.trace_digest is None:
             raise RecordError(

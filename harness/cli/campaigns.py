@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from railgrip.base.errors import ScenarioError
+from railgrip.base.files import read_text
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.sweep import csv_of, load_results, write_table
 from railgrip.campaign.work import work
@@ -36,13 +37,13 @@ from railgrip.report.distances import (
     overview_table,
     reader_tables,
 )
-from railgrip.report.distribution import ReferenceVariant, change_table, changes_against
+from railgrip.report.distribution import change_table, changes_against
 from railgrip.report.frame import Frame, frame_of
 from railgrip.report.index import reference_of, write_report
 from railgrip.report.page import formats_of
 from railgrip.report.results import Results, by_compiler, read_results, remarks_on
 from railgrip.report.stop import require_no_result
-from railgrip.report.table import names_in, page_text, write_tables
+from railgrip.report.table import names_in, write_tables
 from railgrip.scenario.campaign import Panels, load_campaign, selection_of
 
 Against = Annotated[
@@ -82,11 +83,8 @@ def campaign(
     """
     formats = formats_of(figure_formats)
     campaigns = [selection_of(load_campaign(file, overrides or []), only or []) for file in files]
-    if against is not None:
-        for loaded in campaigns:
-            ReferenceVariant.find(
-                against, [stop.variants for stop in loaded.stops]
-            )  # refuse it before stops run for hours
+    for loaded in campaigns:
+        reference_of(loaded.stops, against)  # refuse it before stops run for hours
     # Accepted distances apply to the campaign as its file defines it.
     baselines = [None if overrides else BASELINES / file.name for file in files]
     folder = out if out is not None and len(files) == 1 else None
@@ -145,7 +143,7 @@ def report(
     if write is not None:
         frame = frame_of(read_results(directory))
         tables = {f"{directory.name}, {name}": table for name, table in documentation_tables(frame).items()}
-        wanted = names_in(page_text(write))
+        wanted = names_in(read_text(write))
         chosen = {name: table for name, table in tables.items() if name in wanted} or tables
         write_tables(write, chosen)
         say(f"{write}: {'; '.join(chosen)}")
@@ -163,7 +161,7 @@ def report(
 
 
 def _show_result(results: Results, frame: Frame, against: str | None) -> None:
-    reference = reference_of(results, against)
+    reference = reference_of(results.stops, against)
     changes = () if reference is None else changes_against(reference, results.stops, frame)
     if reference is not None:
         show_all([change_table(reference, changes)])

@@ -16,19 +16,13 @@ from railgrip.base.files import path_of
 from railgrip.base.names import ElementName
 from railgrip.base.tables import JsonObject
 from railgrip.base.units import cut, short
+from railgrip.report.distribution import change_text
 from railgrip.report.frame import Frame
 from railgrip.report.page import Page
 from railgrip.report.results import provenance, read_results
-from railgrip.report.statistics import median_interval, relative_change
-from railgrip.report.stop import (
-    CAMPAIGN_FILE,
-    STOP_FILE,
-    Stop,
-    others_like,
-    read_stop,
-    require_no_result,
-)
-from railgrip.report.table import ReportTable, percent, text, with_interval
+from railgrip.report.statistics import relative_change
+from railgrip.report.stop import STOP_FILE, Stop, is_campaign, read_stop, require_no_result
+from railgrip.report.table import ReportTable, percent, percent_or_endless, text
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.measures import Loss, course_of, loss
@@ -210,13 +204,7 @@ def _is_campaign(result: Any) -> bool:
         return False
     if not isinstance(result, str | Path):
         raise RecordError(f"compare: {short(result)} is neither a stop nor the folder of a result")
-    folder = Path(result)
-    if (folder / CAMPAIGN_FILE).exists():
-        return True
-    if folder.name != STOP_FILE and not (folder / STOP_FILE).exists():
-        like = others_like(folder) or "; name the folder of a run, of a stop in a campaign, or of a campaign"
-        raise RecordError(f"{folder}: has neither {STOP_FILE} nor {CAMPAIGN_FILE}{like}")
-    return False
+    return Path(result).name != STOP_FILE and is_campaign(Path(result))
 
 
 def _folder(result: str | Path) -> Path:
@@ -451,12 +439,10 @@ def _change_sentences(distances: Frame, pairs: Mapping[str, Stops]) -> list[str]
         both = distances[[letter, "A"]].fillna(math.inf).itertuples(index=False)
         changes = pandas.Series([relative_change(*pair) for pair in both], distances.index)
         changes = changes.sort_index().sort_values(kind="stable")
-        form = lambda change: percent(change) or "endless"  # noqa: E731
-        median = with_interval(float(changes.median()), median_interval(changes.tolist()), form, without=0.0)
         sentences.append(
             f"{letter} against A over {len(changes)} stops: {(changes > 0).sum()} longer, {(changes < 0).sum()} "
-            f"shorter, from {form(changes.iloc[0])} ({changes.index[0]}) to {form(changes.iloc[-1])} "
-            f"({changes.index[-1]}), median {median}."
+            f"shorter, from {percent_or_endless(changes.iloc[0])} ({changes.index[0]}) to "
+            f"{percent_or_endless(changes.iloc[-1])} ({changes.index[-1]}), median {change_text(changes.tolist())}."
         )
         different = [name for name, pair in pairs.items() if pair["A"].outcome is not pair[letter].outcome]
         if different:

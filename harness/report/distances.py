@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 
 import pandas
 
-from railgrip.base.files import write_json
+from railgrip.base.files import write_json, write_text
 from railgrip.base.records import claim
 from railgrip.report.distribution import (
     Change,
@@ -33,11 +33,11 @@ from railgrip.report.frame import (
     single_stops,
 )
 from railgrip.report.limits import SUBJECTS
-from railgrip.report.page import write_page
+from railgrip.report.page import render
 from railgrip.report.reference import locked_text
 from railgrip.report.results import Results, fmu_tools, from_elsewhere, remarks_on
 from railgrip.report.statistics import on_common, rank
-from railgrip.report.table import Form, Link, ReportTable, change, names, percent, share
+from railgrip.report.table import Form, Link, ReportTable, change, names, percent, percent_or_endless, share
 
 
 def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) -> tuple[Path, Path]:
@@ -53,8 +53,7 @@ def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) ->
     as_json, as_markdown = directory / f"{results.name}.json", directory / f"{results.name}.md"
     claim(directory, as_json.name, as_markdown.name)
     write_json(as_json, content)
-    write_page(
-        as_markdown,
+    text = render(
         "report/distances.md.jinja",
         results=results,
         sections={
@@ -65,6 +64,7 @@ def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) ->
         missing=names(results.missing),
         notes=[*remarks_on(results.stops), *from_elsewhere(results.stops), *notes],
     )
+    write_text(as_markdown, text)
     return as_json, as_markdown
 
 
@@ -419,9 +419,9 @@ def _change_text(own: Frame, value: str, of: str) -> str:
     if of == "pairs":
         return f"{change_text(values)} in the median of {len(values)} pairs"
     if len(values) == 1:
-        return f"{_percent_or_endless(values[0])} in one stop{_against_tuned(own)}"
-    ends = " to ".join(_percent_or_endless(choose(values)) for choose in (min, max))
-    middle = _percent_or_endless(median(values))
+        return f"{percent_or_endless(values[0])} in one stop{_against_tuned(own)}"
+    ends = " to ".join(percent_or_endless(choose(values)) for choose in (min, max))
+    middle = percent_or_endless(median(values))
     return f"{middle} in the median of {len(values)} stops, from {ends}{_against_tuned(own)}"
 
 
@@ -429,12 +429,8 @@ def _against_tuned(own: Frame) -> str:
     tuned = own["stated_vs_tuned"].tolist()
     if any(isnan(change) for change in tuned):
         return ""
-    ends = dict.fromkeys(_percent_or_endless(choose(tuned)) for choose in (min, max))
+    ends = dict.fromkeys(percent_or_endless(choose(tuned)) for choose in (min, max))
     return f" (against the best tuned SBC by {' to '.join(ends)})"
-
-
-def _percent_or_endless(change: float) -> str:
-    return percent(change) or "endless"
 
 
 def _breaks(stops: Frame) -> str:

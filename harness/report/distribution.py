@@ -25,7 +25,7 @@ from railgrip.report.statistics import (
     share_interval,
 )
 from railgrip.report.stop import Stop
-from railgrip.report.table import Link, ReportTable, percent, text, with_interval
+from railgrip.report.table import Link, ReportTable, percent_or_endless, text, with_interval
 from railgrip.scenario.campaign import DRAW
 
 
@@ -174,8 +174,7 @@ def worst_table(frame: Frame, pages: Mapping[str, str], count: int = 10) -> Repo
 
 def change_text(changes: Sequence[float]) -> str:
     """Return the median of changes with its interval in brackets, if there are enough for one."""
-    form = lambda change: percent(change) or "endless"  # noqa: E731
-    return with_interval(float(np.median(changes)), median_interval(changes), form, without=0.0)
+    return with_interval(float(np.median(changes)), median_interval(changes), percent_or_endless, without=0.0)
 
 
 def paired_texts(name: str, paired: PairedComparison | None) -> dict[str, str]:

@@ -1,7 +1,7 @@
 """Write the report of results: one self-contained page for a browser of a campaign, or of a stop."""
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
@@ -9,7 +9,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from railgrip.base.errors import InputError, RecordError
+from railgrip.base.errors import InputError
 from railgrip.base.groups import gather
 from railgrip.base.records import claim
 from railgrip.report import style
@@ -51,17 +51,15 @@ from railgrip.report.results import Results, from_elsewhere, provenance, read_re
 from railgrip.report.signals import signals_plot
 from railgrip.report.statistics import finite
 from railgrip.report.stop import (
-    CAMPAIGN_FILE,
     PAGE_FILES,
-    STOP_FILE,
     Stop,
+    is_campaign,
     metrics_table,
-    others_like,
     read_stop,
     value_text,
 )
 from railgrip.report.table import ReportTable, names
-from railgrip.scenario.campaign import DRAW, Panels
+from railgrip.scenario.campaign import DRAW, Panels, PlannedStop
 from railgrip.scenario.keys import meanings_of_keys
 from railgrip.scenario.outcome import Outcome
 
@@ -174,28 +172,7 @@ def write_report(
         RecordError: The folder has neither file, or a result is unreadable.
         InputError: The campaign has no variant `against`, or the folder is that of a stop.
     """
-    if (directory / CAMPAIGN_FILE).exists():
-        results = read_results(directory)
-        notes = [] if baseline is None else baseline_deviations(results, baseline)
-        reference = reference_of(results, against)
-        notify("table")
-        write_table(results, directory, notes)
-        single = [stop for stop in results.stops if DRAW not in stop.variants]
-        pairs = _pairs(single) if panels != "none" else []
-        longest = {row["stop"] for row in worst_table(frame_of(results), {}).rows}
-        with_panels = {"all": results.stops, "abc": [abc for _, abc in pairs], "none": ()}[panels]
-        chosen = [stop for stop in with_panels if stop.has_trace and stop.name not in longest]
-        # The longest of all draws have a page even if their samples were not kept.
-        chosen += [stop for stop in results.stops if stop.name in longest]
-        pages = {stop.name: f"{stop.name}/index.html" for stop in chosen}
-        for stop in chosen:
-            notify(stop.name)
-            stop_page(stop, back="../index.html").write(directory / stop.name)
-        page = campaign_page(results, notes=notes, pages=pages, pairs=pairs, notify=notify, reference=reference)
-        if (directory / IN_BROWSER).is_file():
-            page = replace(page, values={**page.values, "in_browser": IN_BROWSER})
-        return page.write(directory, formats)
-    if (directory / STOP_FILE).exists():
+    if not is_campaign(directory):
         if against is not None:
             raise InputError(f"--against {against}: {directory} holds a stop; only a campaign has variants.")
         stop = read_stop(directory)
@@ -204,17 +181,35 @@ def write_report(
             claim(directory, *(f"stop.{form}" for form in formats))
             style.save_as(stop.plot(), directory / PAGE_FILES[1], formats)
         return stop_page(stop).write(directory)
-    like = others_like(directory) or "; name the folder of a run or campaign"
-    raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}{like}")
+    results = read_results(directory)
+    notes = [] if baseline is None else baseline_deviations(results, baseline)
+    reference = reference_of(results.stops, against)
+    notify("table")
+    write_table(results, directory, notes)
+    single = [stop for stop in results.stops if DRAW not in stop.variants]
+    pairs = _pairs(single) if panels != "none" else []
+    longest = {row["stop"] for row in worst_table(frame_of(results), {}).rows}
+    with_panels = {"all": results.stops, "abc": [abc for _, abc in pairs], "none": ()}[panels]
+    chosen = [stop for stop in with_panels if stop.has_trace and stop.name not in longest]
+    # The longest of all draws have a page even if their samples were not kept.
+    chosen += [stop for stop in results.stops if stop.name in longest]
+    pages = {stop.name: f"{stop.name}/index.html" for stop in chosen}
+    for stop in chosen:
+        notify(stop.name)
+        stop_page(stop, back="../index.html").write(directory / stop.name)
+    page = campaign_page(results, notes=notes, pages=pages, pairs=pairs, notify=notify, reference=reference)
+    if (directory / IN_BROWSER).is_file():
+        page = replace(page, values={**page.values, "in_browser": IN_BROWSER})
+    return page.write(directory, formats)
 
 
-def reference_of(results: Results, against: str | None) -> ReferenceVariant | None:
-    """Find the variant of a campaign that a user has named; None without a name.
+def reference_of(stops: Iterable[Stop | PlannedStop], against: str | None) -> ReferenceVariant | None:
+    """Find the variant among the stops of a campaign that a user has named; None without a name.
 
     Raises:
         InputError: See `ReferenceVariant.find`.
     """
-    return None if against is None else ReferenceVariant.find(against, [stop.variants for stop in results.stops])
+    return None if against is None else ReferenceVariant.find(against, [stop.variants for stop in stops])
 
 
 def campaign_page(

@@ -173,12 +173,6 @@ def formats_of(text: str) -> list[str]:
     return formats
 
 
-def write_page(path: Path, template: str, **values: Any) -> Path:
-    """Write a text from a Markdown template and return its path; see `render`."""
-    write_text(path, render(template, **values))
-    return path
-
-
 def render(template: str, *, is_html: bool = False, **values: Any) -> str:
     """Return the text of a template; see `as_html` and `as_markdown` of `railgrip.report.table` for texts.
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import isfinite, isnan, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self, cast
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import xarray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, create_model
@@ -170,7 +170,7 @@ class Stop:
         paper_distance: Published distance of this stop [m], or None.
         conditioning: Repeats with slightly changed parameters, or None.
         parsed: The scenario; None until it is asked for.
-        samples: The trace in memory; None if it is in the file.
+        samples: The trace in memory, with all samples, one each communication period; None if it is in the file.
     """
 
     name: str
@@ -194,32 +194,6 @@ class Stop:
     conditioning: RepeatedDistances | None = None
     parsed: Scenario | None = None
     samples: xarray.Dataset | None = None
-
-    @classmethod
-    def of(
-        cls,
-        scenario: Scenario,
-        trace: xarray.Dataset,
-        *,
-        outcome: Outcome,
-        reason: str,
-        metrics: Metrics,
-        versions: Mapping[str, str],
-        fmus: Mapping[str, str],
-    ) -> Self:
-        """Return the stop of a run of a scenario, with all samples, one each communication period."""
-        return cls(
-            name=scenario.name,
-            inputs=scenario.resolved(),
-            digest=scenario.digest(),
-            outcome=outcome,
-            reason=reason,
-            metrics=metrics,
-            versions=versions,
-            fmus=fmus,
-            parsed=scenario,
-            samples=trace,
-        )
 
     @property
     def scenario(self) -> Scenario:
@@ -504,6 +478,18 @@ def others_like(directory: Path) -> str:
     others = sorted(path.parent for path in directory.parent.glob(f"{glob.escape(directory.name)}-*/{STOP_FILE}"))
     more = f" and {len(others) - 3} more" if len(others) > 3 else ""
     return f"; there is {', '.join(map(str, others[:3]))}{more}" if others else ""
+
+
+def is_campaign(directory: Path) -> bool:
+    """Return whether a folder is that of a campaign; if not, it is that of a stop.
+
+    Raises:
+        RecordError: It is neither.
+    """
+    if (directory / CAMPAIGN_FILE).exists() or (directory / STOP_FILE).exists():
+        return (directory / CAMPAIGN_FILE).exists()
+    like = others_like(directory) or "; name the folder of a run, of a stop in a campaign, or of a campaign"
+    raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}{like}")
 
 
 def read_stop(directory: Path) -> Stop:

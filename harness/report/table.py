@@ -20,7 +20,7 @@ from railgrip.base.files import replacing
 if TYPE_CHECKING:
     import pandas
 
-from railgrip.base.errors import InputError, RecordError
+from railgrip.base.errors import RecordError
 from railgrip.base.files import read_text, write_text
 
 TEXT_COLUMNS = frozenset(
@@ -246,6 +246,11 @@ def percent(value: float | None, *, negate: bool = False, sign: bool = True) -> 
     return text(-100 * value if negate else 100 * value, "{:+.1f} %" if sign else "{:.1f} %")
 
 
+def percent_or_endless(value: float) -> str:
+    """Return a change in percent, "endless" for a stop without standstill."""
+    return percent(value) or "endless"
+
+
 def change(reduction: float) -> str:
     """Return a reduction, 1 − distance over that of another, as a change in percent."""
     return percent(reduction, negate=True)
@@ -347,23 +352,11 @@ def write_tables(path: Path, tables: Mapping[str, ReportTable | str]) -> None:
     """Write tables between the marks of a page; see `with_tables`.
 
     Raises:
-        RecordError: The page cannot be read, or lacks one of the marks.
+        InputError: The page cannot be read, or lacks one of the marks.
     """
-    text = page_text(path)
+    text = read_text(path)
     try:
         written = with_tables(text, tables)
     except RecordError as problem:
         raise RecordError(f"{path}: {problem}") from problem
     write_text(path, written)
-
-
-def page_text(path: Path) -> str:
-    """Return the text of a page.
-
-    Raises:
-        RecordError: The page cannot be read.
-    """
-    try:
-        return read_text(path)
-    except InputError as problem:
-        raise RecordError(str(problem)) from problem

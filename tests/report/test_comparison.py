@@ -119,7 +119,7 @@ def test_three_stops_are_compared_with_the_first(slip, adhesion):
 @pytest.mark.parametrize(
     ("results", "sentence"),
     [
-        (("nowhere", "elsewhere"), "nowhere: has neither stop.json nor campaign.json; name the folder"),
+        (("nowhere", "elsewhere"), "nowhere: has neither campaign.json nor stop.json; name the folder"),
         ((1, 2), "compare: 1 is neither a stop nor the folder of a result"),
         (("one",), "expects two to 26 results, got 1"),
     ],

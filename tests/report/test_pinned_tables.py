@@ -67,7 +67,7 @@ def test_the_tables_of_draws(results):
 def test_variants_in_pairs(results, name, draws):
     text = SAND.replace("{draws}", draws)
     _, found = results("sand", text)
-    rows, reference = frame_of(found), reference_of(found, "sand=none")
+    rows, reference = frame_of(found), reference_of(found.stops, "sand=none")
     changes = changes_against(reference, found.stops, rows)
     check(f"{name}.md", f"{change_table(reference, changes)}\n\n{headline(rows, reference, changes)}\n")
 
