@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any, ClassVar, Self, get_type_hints
+from typing import Any, ClassVar, Self
 
 from railgrip.base.errors import InputError
 from railgrip.base.names import nearest
@@ -20,7 +20,7 @@ from railgrip.studies import module_of, names
 
 @dataclass(frozen=True, kw_only=True)
 class Study(ABC):
-    """A study as a frozen dataclass, whose fields are the options of its command.
+    """A study as a frozen dataclass, whose fields are the options of its command, with the same names.
 
     `Annotated` describes a field for typer. The fields that many commands share, `overrides` and `import_from`, need no
     description.
@@ -80,14 +80,11 @@ class Study(ABC):
         Raises:
             InputError: Options are given that only the whole study has; the message names all of them.
         """
-        hints = get_type_hints(type(self), include_extras=True)
         own = {field.name: field.default for field in fields(self)}
         given = [name for name in (*self._whole, *self.quick_sizes) if name in own and getattr(self, name) != own[name]]
         if given:
-            raise InputError(
-                f"{', '.join(_option(name, hints[name]) for name in given)}: only for the whole study; "
-                "leave out --quick."
-            )
+            options = ", ".join(f"--{name.replace('_', '-')}" for name in given)
+            raise InputError(f"{options}: only for the whole study; leave out --quick.")
         return replace(self, **self.quick_sizes)
 
     @abstractmethod
@@ -102,14 +99,6 @@ class Study(ABC):
         of many errors. A changed law changes the number by more.
         """
         return ()
-
-
-def _option(name: str, hint: Any) -> str:
-    """Return the option of a field on the command line."""
-    # Until typer reads a signature, the first name of an annotated option is in place of its default.
-    about = getattr(hint, "__metadata__", (None,))[0]
-    declared = getattr(about, "default", None)
-    return declared if isinstance(declared, str) else f"--{name.replace('_', '-')}"
 
 
 def study_named(name: str) -> type[Study]:

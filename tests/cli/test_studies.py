@@ -111,7 +111,7 @@ def test_every_study_has_a_quick_form_that_never_writes_into_the_documentation(n
     ("name", "options", "words"),
     [
         ("benefit", {"draws": 40, "write": True}, "--write, --draws: "),
-        ("type_test", {"count": 24, "case": ["a"]}, "--case, --cases: "),
+        ("type_test", {"cases": 24, "case": ["a"]}, "--case, --cases: "),
     ],
 )
 def test_a_quick_form_refuses_options_of_the_whole_study(command, name, options, words):

@@ -250,7 +250,7 @@ def test_an_estimator_that_diverged_in_every_case_has_empty_cells():
 
 @pytest.mark.usefixtures("in_process")
 def test_a_small_run_states_that_it_does_not_rank_estimators(tmp_path):
-    study = Estimators(estimator=["fmu"], count=2)
+    study = Estimators(estimator=["fmu"], cases=2)
     with work("estimators", tmp_path, workers=1) as job:
         page = study.page(job)
     page.write(tmp_path)

@@ -185,7 +185,7 @@ def test_a_sealed_set_is_run_with_the_baselines_and_reveals_no_single_case(tmp_p
     counted = SimpleNamespace(folder=lambda: tmp_path / "cache")  # FMUs and filters are those of the other tests
     monkeypatch.setattr("railgrip.studies.type_test.case_set.cache", counted)
     monkeypatch.setattr(study, "entrants", lambda version=1: few)
-    test = TypeTest(version=2, sealed=True, controller=["fuzzy_slip"], count=1)
+    test = TypeTest(version=2, sealed=True, controller=["fuzzy_slip"], cases=1)
     page, path = conduct(test, tmp_path / "out", workers=1)
     assert path == tmp_path / "out" / "version_2" / "index.html"
     assert {row["controller"] for row in page.values["board"].rows} == {"slip_two_state", "fuzzy_slip"}
@@ -249,7 +249,7 @@ def test_shipped_results_have_all_controllers_or_a_hint_how_to_renew_them():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"count": 8, "case": ["01of24-15595"]}, "--case and --cases: "),
+        ({"cases": 8, "case": ["01of24-15595"]}, "--case and --cases: "),
         ({"sealed": True, "validation": True, "controller": ["a"]}, "--sealed and --validation: "),
         *(({"sealed": True, **more}, "--sealed is for one --controller") for more in ({}, {"controller": ["a", "b"]})),
         ({"shipped": True, "train": "tram"}, "--shipped is for sets of cases of the package"),

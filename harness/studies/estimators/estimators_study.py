@@ -73,7 +73,7 @@ FACTORS_FILE: Final = Path("harness/studies/estimators/library/noises.toml")
 
 
 @dataclass(frozen=True)
-class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"count": 2}):
+class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"cases": 2}):
     """Compare estimators of adhesion, pad friction and speed on the same recordings of simulated stops."""
 
     documentation = Path("docs/estimators_compared.md")
@@ -86,7 +86,7 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
         str | None, Option(help="A train of the library or a train file; the two-part train without it.")
     ] = None
     sealed: Annotated[bool, Option(help="Other cases, for a finished estimator: do not tune on them.")] = False
-    count: Annotated[int | None, Option("--cases", min=2, max=1000, help="Number of cases.")] = None
+    cases: Annotated[int | None, Option(min=2, max=1000, help="Number of cases.")] = None
     loop: Annotated[bool, Option("--loop", help="Stop under laws of the type test with other estimates instead.")] = (
         False
     )
@@ -106,7 +106,7 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
         names = self._names()
         if self.write and self.estimator:
             raise InputError("--write is for all estimators; leave out --estimator.")
-        count, train = self.count or COUNT, self._train()
+        count, train = self.cases or COUNT, self._train()
         design = recording_cases(count, SEEDS["sealed" if self.sealed else "test"], train)
         results = judge(work, design, recording_cases(count, SEEDS["training"], train), names)
         bounds = work.map(bounds_of, design)
@@ -161,7 +161,7 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
         """Compare stops of the type test and of Table 1 with other estimates."""
         if self.estimator or self.train is not None or self.sealed or self.tune:
             raise InputError("--loop compares the same estimates in the same cases; leave out other options.")
-        count = self.count or VERSIONS[2].small
+        count = self.cases or VERSIONS[2].small
         tables = {
             "loop": compare(stops_of_type_test(work, count)),
             "loop_table_1": compare_table_1(stops_of_table_1(work)),
@@ -206,10 +206,10 @@ class Estimators(Study, quick="2 recordings, and no slow estimators", sizes={"co
         unknown = [name for name in self.estimator or () if name not in SEARCHED]
         if unknown:
             raise InputError(f"--estimator {unknown[0]}: --tune searches the noises of {', '.join(SEARCHED)}.")
-        cases = search_cases(recording_cases(self.count or TRAINING, SEEDS["training"]), self.estimator or SEARCHED)
+        cases = search_cases(recording_cases(self.cases or TRAINING, SEEDS["training"]), self.estimator or SEARCHED)
         empty = sorted({sensors for _, sensors, of_sensors in cases if not of_sensors})
         if empty:
-            raise InputError(f"--cases {self.count}: no training case has {empty[0]} sensors; --tune needs more cases.")
+            raise InputError(f"--cases {self.cases}: no training case has {empty[0]} sensors; --tune needs more cases.")
         if not FACTORS_FILE.is_file():
             raise InputError(f"--tune writes {FACTORS_FILE}, which is not here; run it in the folder of the project.")
         return cases

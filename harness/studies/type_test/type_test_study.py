@@ -65,7 +65,7 @@ PAGE: Final = Path("docs/type_test.md")
 
 
 @dataclass(frozen=True)
-class TypeTest(Study, quick="2 cases", sizes={"count": 2}, whole=("case",)):
+class TypeTest(Study, quick="2 cases", sizes={"cases": 2}, whole=("case",)):
     """Stop a train in hundreds of cases under each controller, judge every stop, and rank them."""
 
     controller: Annotated[
@@ -82,7 +82,7 @@ class TypeTest(Study, quick="2 cases", sizes={"count": 2}, whole=("case",)):
         str | None, Option(help="A controller of the test: distances of the others over its own, case by case.")
     ] = None
     validation: Annotated[bool, Option(help="Other cases, for a finished controller: do not tune on them.")] = False
-    count: Annotated[int | None, Option("--cases", min=1, max=10000, help="Number of cases.")] = None
+    cases: Annotated[int | None, Option(min=1, max=10000, help="Number of cases.")] = None
     version: Annotated[
         int | None,
         Option(min=1, max=2, help="Version of the cases, 1 by default; 2: rails over distance."),
@@ -183,7 +183,7 @@ class TypeTest(Study, quick="2 cases", sizes={"count": 2}, whole=("case",)):
         return replace(page, screen=(*page.screen, *panels), exit_code=exit_code)
 
     def _require_consistent(self) -> None:
-        _require_one_of({"--case": self.case, "--cases": self.count})
+        _require_one_of({"--case": self.case, "--cases": self.cases})
         _require_one_of({"--case": self.case, "--sealed": self.sealed, "--validation": self.validation})
         if self.shipped and (self.sealed or self.train or self.task or self.case):
             raise ScenarioError("--shipped is for sets of cases of the package on its train; leave out other options.")
@@ -196,7 +196,7 @@ class TypeTest(Study, quick="2 cases", sizes={"count": 2}, whole=("case",)):
     def _design(self, digests: Mapping[str, str]) -> tuple[AnyCase, ...]:
         """Return the cases; those with --train have its train in place of the trains of the library."""
         version = VERSIONS[self._version]
-        count = self.count or (SEALED if self.sealed else version.count)
+        count = self.cases or (SEALED if self.sealed else version.count)
         if self.case:
             design = tuple(case_named(name) for name in self.case)
         elif self.sealed:
@@ -232,7 +232,7 @@ class TypeTest(Study, quick="2 cases", sizes={"count": 2}, whole=("case",)):
             return
         if not self.shipped:  # else the stops of an earlier release would bear the name of this one
             write_shipped(found, design, train_of(None), LIBRARY)
-        is_small = self.count == VERSIONS[self._version].small
+        is_small = self.cases == VERSIONS[self._version].small
         values, suffix = page.values, "" if self._version == 1 else f" of version {self._version}"
         leaders = values["leaders"].without(["K_wet (10 %)", *(["compared"] if self._version == 1 else [])])
         tables: dict[str, ReportTable | str] = {"leaderboard": f"{of}{leaders}"}
