@@ -10,6 +10,9 @@ import pytest
 
 from railgrip.cli.app import main
 
+NO_NETWORK = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
+"""Variables that send every request to a closed port."""
+
 
 @dataclass(frozen=True)
 class Done:

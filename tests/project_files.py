@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+BASELINES = ROOT / "tests/baselines"
 PACKAGES = ("harness/", "controllers/", "estimators/", "fmus/", "tools/")
 
 

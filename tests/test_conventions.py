@@ -3,11 +3,8 @@
 import ast
 import re
 from collections import Counter
-from pathlib import Path
 
-from project_files import trees
-
-ROOT = Path(__file__).parents[1]
+from project_files import ROOT, trees
 
 
 def test_all_errors_for_users_have_one_base_class():

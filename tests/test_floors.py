@@ -2,12 +2,11 @@
 
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
 from floors import required
+from project_files import ROOT
 
-ROOT = Path(__file__).parents[1]
 LEFT_OUT = tomllib.loads((ROOT / "tests/left_out.toml").read_text(encoding="utf-8"))
 
 

@@ -9,8 +9,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-
-ROOT = Path(__file__).parents[1]
+from project_files import ROOT
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="stands in for Python by a shell script")
 

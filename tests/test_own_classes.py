@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from test_api import rolling
-from users_parts import Drag, Exact, Hold, install_part
+from users_parts import SHORT, Drag, Exact, Hold, install_part
 from wrong import table
 
 import railgrip as rg
@@ -36,7 +36,6 @@ class NoLaw:
 def function(**parameters):
     pathlib.Path(__file__).with_name("called").touch()
 """
-SHORT = {"limits.horizon": "0.2 s", "start.speed": "30 km/h", "estimator.kind": "none"}
 
 
 @pytest.fixture(scope="module")

@@ -9,13 +9,12 @@ from pathlib import Path
 
 import pytest
 from command_line import ran
-from project_files import trees
+from project_files import ROOT, trees
 
 from railgrip.base import cache, programs
 from railgrip.fmus.native import toolchain
 from railgrip.scenario.load import load, scenario_of
 
-ROOT = Path(__file__).parents[1]
 POSIX_MODULES = {"fcntl", "grp", "posix", "pwd", "resource", "termios"}
 POSIX_NAMES = {
     "os": {"O_NOFOLLOW", "fork", "geteuid", "getloadavg", "getpgid", "getuid", "killpg", "setsid", "wait4"},

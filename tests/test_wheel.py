@@ -6,15 +6,13 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from pathlib import Path
 
 import pytest
 import xarray
-from command_line import ran
-from project_files import project_files
+from command_line import NO_NETWORK, ran
+from project_files import ROOT, project_files
 from wrong import table
 
-ROOT = Path(__file__).parents[1]
 DATA = {".typed", ".csv", ".yml", ".toml", ".json", ".mo", ".order", ".c", ".h", ".jinja", ".js", ".gz", ".txt", ".ld"}
 
 
@@ -90,8 +88,7 @@ def environment(wheel, tmp_path_factory):
 def alone(environment, here, *arguments):
     """Run Python in a folder with only the installed packages, and without a network."""
     site, cache = environment
-    nowhere = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
-    result = ran([sys.executable, *arguments], here, **nowhere, PYTHONPATH=str(site), RAILGRIP_CACHE=str(cache))
+    result = ran([sys.executable, *arguments], here, **NO_NETWORK, PYTHONPATH=str(site), RAILGRIP_CACHE=str(cache))
     assert result.returncode == 0, result.stderr
     return result.stdout
 

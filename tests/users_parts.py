@@ -6,6 +6,9 @@ import numpy as np
 
 import railgrip as rg
 
+SHORT = {"limits.horizon": "0.2 s", "start.speed": "30 km/h", "estimator.kind": "none"}
+"""Changes of a scenario whose stop only shows that its parts run."""
+
 
 class Hold:
     """A law that demands a share of full pressure."""

@@ -10,7 +10,7 @@ from railgrip.campaign.run import write_description
 from railgrip.report.stop import write_stop
 from railgrip.scenario.campaign import Campaign, PlannedStop, load_campaign
 
-TABLE1 = LIBRARY.parent / "campaigns" / "table1.toml"
+CAMPAIGNS = LIBRARY.parent / "campaigns"
 
 
 def write_campaign(
@@ -23,7 +23,7 @@ def write_campaign(
 
     The campaign is Table 1, or that of a text, in which `{library}` is the folder of the scenarios of the package.
     """
-    file = directory / "written.toml" if text else TABLE1
+    file = directory / "written.toml" if text else CAMPAIGNS / "table1.toml"
     if text:
         file.write_text(text.format(library=LIBRARY.as_posix()), encoding="utf-8")
     campaign = load_campaign(file, [*COARSE, *overrides]).only(keep)

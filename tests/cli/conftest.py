@@ -4,16 +4,13 @@ import os
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 import synthetic_runner
+from project_files import ROOT
+from synthetic import LIBRARY
 
-import railgrip.scenario
 from railgrip.simulate import run
-
-LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
-ROOT = Path(__file__).parents[2]
 
 # Like `python -m railgrip`, except that stops come from tests/synthetic_runner.py.
 PROGRAM = """

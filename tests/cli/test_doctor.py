@@ -63,25 +63,14 @@ def missing_package(folder, monkeypatch):
     monkeypatch.setattr(doctor, "version", version_of)
 
 
-class Incomplete(Distribution):
-    """An installed package of two files, one of which is missing."""
-
-    def __init__(self, folder):
-        self.folder = folder
-
-    def read_text(self, filename):
-        return {"RECORD": "railgrip/there.py,,\nrailgrip/gone.toml,,\nrailgrip/a.pyc,,\nrailgrip.dist-info/x,,\n"}.get(
-            filename
-        )
-
-    def locate_file(self, path):
-        return self.folder / path
-
-
 def missing_file(folder, monkeypatch):
-    (folder / "railgrip").mkdir()
-    (folder / "railgrip" / "there.py").touch()
-    monkeypatch.setattr(doctor, "distribution", lambda name: Incomplete(folder))
+    package, info = folder / "railgrip", folder / "railgrip-1.0.dist-info"
+    package.mkdir()
+    info.mkdir()
+    (package / "there.py").touch()
+    record = "railgrip/there.py,,\nrailgrip/gone.toml,,\nrailgrip/a.pyc,,\nrailgrip-1.0.dist-info/x,,\n"
+    (info / "RECORD").write_text(record)
+    monkeypatch.setattr(doctor, "distribution", lambda name: Distribution.at(info))
 
 
 def part_that_does_not_load(folder, monkeypatch):

@@ -19,6 +19,7 @@ import pytest
 from command_line import done
 from commands import tools
 from one_process import one_process
+from project_files import ROOT
 from test_suites import write_library
 from typer.main import get_command
 
@@ -27,7 +28,6 @@ from railgrip.fmus.recipe import write_lock
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="make and links to an environment")
 
-ROOT = Path(__file__).parents[2]
 OF_ALL = {"--version", "--quiet", "--verbose"}
 """Options of every command, which tests/cli/test_commands.py tests."""
 

@@ -1,8 +1,7 @@
 """Finished stops with a user's class are kept while all that the class consists of and reads is as it was."""
 
-from pathlib import Path
-
 import pytest
+from users_parts import SHORT
 from wrong import table
 
 import railgrip as rg
@@ -10,8 +9,6 @@ from railgrip.campaign.run import find_result, run
 from railgrip.cli.runs import runner
 from railgrip.scenario.campaign import PlannedStop
 
-ROOT = Path(__file__).parents[2]
-SHORT = {"limits.horizon": "0.2 s", "start.speed": "30 km/h", "estimator.kind": "none"}
 FILES = table(__file__, "tables.toml")["kept_law"]
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from command_line import ran
+from project_files import ROOT
 from sampling import FUZZ, sample
 
 from railgrip.base.programs import environment_of_programs, find_program
@@ -16,7 +17,6 @@ from railgrip.fmus.native.toolchain import shared_library
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="shell and limits of POSIX")
 
 PROGRAM = f"{shlex.quote(sys.executable)} -m railgrip"
-ROOT = Path(__file__).parents[2]
 STOP = "run trapezoid --set limits.horizon='1 s' --set controller.kind=full_brake --set estimator.kind=none"
 
 

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 from command_line import ran
-
-ROOT = Path(__file__).parents[2]
+from project_files import ROOT
 
 GUARDED = """
 import os, sys

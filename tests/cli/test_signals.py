@@ -7,11 +7,10 @@ from pathlib import Path
 
 import pytest
 from sampling import FUZZ
+from synthetic import LIBRARY
 from waiting import LONGEST, is_running, until
 
 from railgrip.fmus.build import fmu
-
-LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
 
 pytestmark = pytest.mark.skipif(not Path("/proc").exists(), reason="looks processes up in /proc")
 

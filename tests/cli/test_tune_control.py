@@ -3,12 +3,12 @@
 import tomllib
 from collections.abc import Iterable
 from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 import pytest
 from command_line import exit_code
 from one_process import Here, one_process
+from written_campaigns import CAMPAIGNS
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
@@ -23,7 +23,6 @@ from railgrip.simulate.controller import controller_of
 from railgrip.simulate.vehicle_data import VehicleData
 from railgrip.studies.type_test.entrants import entrants, training
 
-CAMPAIGNS = Path(__file__).parents[2] / "harness" / "scenario" / "campaigns"
 OF_THE_TEST = [(law, version) for law in sorted(RANGES) for version in TYPE_TEST if set_of(law, version) != SEARCHED]
 """Laws with a set for a version of the type test that is not their only one."""
 CASES = [(law, *case) for law, cases in RANGES.items() for case in cases]

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 from command_line import done
+from project_files import ROOT
 from sybil import Example, Sybil
 from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser
 
-ROOT = Path(__file__).parents[2]
 PAGES = [
     ROOT / "README.md",
     ROOT / "docs/how_to/driver_demand.md",

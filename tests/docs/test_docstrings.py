@@ -2,11 +2,9 @@
 
 import ast
 import re
-from pathlib import Path
 
-from project_files import trees
+from project_files import ROOT, trees
 
-ROOT = Path(__file__).parents[2]
 FUNCTION = ast.FunctionDef, ast.AsyncFunctionDef
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from commands import tools
+from project_files import ROOT
 from study_pages import cells, pages, text_of
 from typer.main import get_command
 from wrong import table
@@ -17,7 +18,6 @@ from wrong import table
 from railgrip.cli.app import app
 from railgrip.studies.study import study_named
 
-ROOT = Path(__file__).parents[2]
 STUDIES = list(pages(ROOT / "docs/studies").values())
 """Pages that a command writes as a whole, from their text cells and results."""
 WRITTEN_BY_HAND = {ROOT / "README.md", *(ROOT / "docs").rglob("*.md")} - {path.with_suffix(".md") for path in STUDIES}

@@ -1,9 +1,8 @@
 """docs/packages.svg has the layers of .importlinter."""
 
 import runpy
-from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from project_files import ROOT
 
 
 def test_the_picture_of_the_packages_is_up_to_date():

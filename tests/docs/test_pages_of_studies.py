@@ -3,13 +3,12 @@
 import re
 import sys
 from contextlib import nullcontext
-from pathlib import Path
 
 import pytest
 from command_line import exit_code
+from project_files import ROOT
 from study_pages import execute, pages
 
-ROOT = Path(__file__).parents[2]
 PAGES = pages(ROOT / "docs/studies")
 
 

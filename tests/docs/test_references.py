@@ -7,10 +7,9 @@ from pathlib import Path
 from pkgutil import resolve_name
 
 import pytest
-from project_files import PACKAGES, modules, project_files, trees
+from project_files import PACKAGES, ROOT, modules, project_files, trees
 from test_docstrings import members
 
-ROOT = Path(__file__).parents[2]
 SUFFIXES = r"(?:py|c|h|toml|md|mo|json|svg|js|css)"
 FILE = re.compile(rf"(?<![\w./*<{{-])(?:[\w-]+/)*[\w-]+\.{SUFFIXES}(?!\.?\w|[*(])")
 DOTTED = re.compile(r"(?<![\w./`])`?(railgrip(?:\.\w+)+)")

@@ -2,13 +2,12 @@
 
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
+import yaml
+from project_files import ROOT
 
 from railgrip.base.programs import installation
-
-ROOT = Path(__file__).parents[2]
 
 
 def releases() -> list[tuple[str, str]]:
@@ -17,16 +16,12 @@ def releases() -> list[tuple[str, str]]:
     return re.findall(r"^## (\d+\.\d+\.\d+) – (\d{4}-\d{2}-\d{2})$", text, re.MULTILINE)
 
 
-def cited(key: str) -> str:
-    found = re.search(rf"^{key}: (\S+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE)
-    return found[1].strip('"') if found else ""
-
-
 def test_the_newest_release_of_the_changelog_is_the_version_of_the_project():
     """And that of the citation and of the Modelica library; tests/modelica/test_modelica_library.py has its package."""
     version, date = releases()[0]
     assert tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"] == version
-    assert (cited("version"), cited("date-released")) == (version, date)
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert (cited["version"], str(cited["date-released"])) == (version, date)
     notes = (ROOT / "modelica/RailBraking/UsersGuide/ReleaseNotes.mo").read_text(encoding="utf-8")
     assert re.findall(r"<h4>Version (\S+)</h4>", notes) == [version for version, _ in releases()]
     example = (ROOT / "docs/examples/SimpleTrain/package.mo").read_text(encoding="utf-8")

@@ -11,8 +11,9 @@ from typing import Any
 
 import pytest
 import typer
-from command_line import ran
+from command_line import NO_NETWORK, ran
 from legible import needs_browser, title_of
+from project_files import ROOT
 
 import railgrip
 from railgrip.base import registry
@@ -20,7 +21,6 @@ from railgrip.cli.app import app
 from railgrip.trace.metrics import FIGURES
 from railgrip.vehicle.signals import ESTIMATES, EXTRA, OBSERVATION, PLANT, PLANT_INPUTS, READINGS
 
-ROOT = Path(__file__).parents[2]
 FREE = {"parameters", "map", "brakes", "calibrated", "noise", "bias"}
 """Tables whose keys are names of parameters, variables, creep curves or signals."""
 
@@ -29,9 +29,8 @@ FREE = {"parameters", "map", "brakes", "calibrated", "noise", "bias"}
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build the site with one script of the gallery and one notebook; all proxies point to a closed port."""
     folder = tmp_path_factory.mktemp("site")
-    proxies = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
     build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", folder]
-    done = ran(build, ROOT, **proxies, DISABLE_MKDOCS_2_WARNING="true", RAILGRIP_DOCS_RUN="recording")
+    done = ran(build, ROOT, **NO_NETWORK, DISABLE_MKDOCS_2_WARNING="true", RAILGRIP_DOCS_RUN="recording")
     assert done.returncode == 0, done.stderr
     return folder
 

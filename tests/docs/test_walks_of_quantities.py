@@ -2,11 +2,10 @@
 
 import ast
 import re
-from pathlib import Path
 
+from project_files import ROOT
 from test_references import PROSE
 
-ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "architecture.md"
 FOLDERS = (ROOT, ROOT / "harness", ROOT / "harness/kernel")
 KERNELS = (ROOT / "harness/kernel", ROOT / "harness/fmi/kernel")

@@ -1,16 +1,16 @@
 """A distance that depends on rounding is printed, accepted and compared as a range."""
 
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from conditioning import campaign_of, conditioning_of, merged, repeats_of, with_refinement
+from project_files import BASELINES
 from synthetic import stop_of
 from validation import medians_table, tolerances_table
+from written_campaigns import CAMPAIGNS
 
-import railgrip.scenario
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.run import write_description
 from railgrip.report.baseline import (
@@ -29,7 +29,6 @@ from railgrip.report.stop import write_stop
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances, read_conditioning, text_of
 
-CAMPAIGNS = Path(railgrip.scenario.__file__).parent / "campaigns"
 CHAOTIC = RepeatedDistances(digest="d", distances=(280.0, 300.0, 324.0, None))
 FIRM = RepeatedDistances(digest="d", distances=(280.0, 280.001, 280.002))
 
@@ -204,7 +203,7 @@ def test_the_conditioning_of_table_1_belongs_to_its_stops_or_is_stale():
     Accepted ranges are those of the repeats: one stop has one distance on all pages.
     """
     campaign = load_campaign(CAMPAIGNS / "table1.toml")
-    accepted = load_baseline(Path(__file__).parents[1] / "baselines" / "table1.toml").accepted
+    accepted = load_baseline(BASELINES / "table1.toml").accepted
     repeats_of = read_conditioning(campaign.conditioning).stops
     digests = {stop.name: stop.scenario.digest() for stop in campaign.stops}
     assert set(repeats_of) <= set(digests)

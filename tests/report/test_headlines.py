@@ -1,14 +1,11 @@
 """The studies behind baselines, and the files with the accepted figures."""
 
-from pathlib import Path
-
 import pytest
+from project_files import BASELINES
 
 from railgrip.report.baseline import load_baseline
 from railgrip.studies import names
 from railgrip.studies.study import Study, study_named
-
-BASELINES = Path(__file__).parents[1] / "baselines"
 
 
 @pytest.mark.parametrize("path", sorted(BASELINES.glob("*.toml")), ids=lambda path: path.stem)

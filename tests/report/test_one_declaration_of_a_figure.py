@@ -4,12 +4,11 @@ import sys
 from pathlib import Path
 
 from command_line import ran
+from project_files import ROOT
 
 import railgrip.trace.metrics
 from railgrip.report.limits import AssessmentLimits
 from railgrip.trace.metrics import FIGURES, Figure
-
-ROOT = Path(__file__).parents[2]
 
 FIELD = """
     comfort: Annotated[Each, Figure("m/s2", "greatest deceleration at each group, which passengers feel",

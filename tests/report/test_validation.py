@@ -2,9 +2,9 @@
 
 import html
 import re
-from pathlib import Path
 
 import pytest
+from project_files import BASELINES, ROOT
 from validation import (
     BASELINE,
     CONVERGENCE,
@@ -23,9 +23,6 @@ from railgrip.report.style import save
 from railgrip.report.table import END, write_tables
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances, read_conditioning, text_of
-
-ROOT = Path(__file__).parents[2]
-BASELINES = ROOT / "tests" / "baselines"
 
 EQUIPMENT = """
 [axes.equipment]
