@@ -455,14 +455,12 @@ rg.table(table.T.reset_index(names="violated in"), left=["violated in"])
 # friction is constant:
 
 # %%
-offsets = rg.evaluate(proof_terms.offset_row, of_drawn[1:], "adhesion_based_offsets.csv")
-offsets[["peak", "rising", "falling", "loss"]] *= 100
-offsets["law"] = offsets["law"].map(LAWS)
-titles = {"law": "law", "rate": "median rate of slip", "peak": "peak at", "rising": "equilibrium, slip rises",
-          "falling": "slip falls", "loss": "adhesion lost"}  # fmt: skip
-forms = {"median rate of slip": "{:.2f} 1/s", "adhesion lost": "{:.4f} %"}
-forms |= dict.fromkeys(("peak at", "equilibrium, slip rises", "slip falls"), "{:.3f} %")
-rg.table(offsets[list(titles)].rename(columns=titles), forms)
+offsets = rg.evaluate(proof_terms.offset_row, of_drawn[1:], "adhesion_based_offsets.csv").replace({"law": LAWS})
+shares = {"peak at": "peak", "equilibrium, slip rises": "rising", "slip falls": "falling", "adhesion lost": "loss"}
+table = offsets[["law", "rate"]].rename(columns={"rate": "median rate of slip"})
+table = table.assign(**{title: 100 * offsets[name] for title, name in shares.items()})
+forms = dict.fromkeys(shares, "{:.3f} %") | {"median rate of slip": "{:.2f} 1/s", "adhesion lost": "{:.4f} %"}
+rg.table(table, forms)
 
 # %% [markdown]
 # - *Equation 3.* The paper states g_s < 0. With s = 1 − rω/v a higher pressure raises the slip, so that g_s > 0 in

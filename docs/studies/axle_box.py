@@ -72,7 +72,7 @@ networks = {mph: PAPER["networks"][str(mph)] for mph in speeds}
 paper = pd.DataFrame({mph: [*own["errors"], own["best"]] for mph, own in networks.items()}, ["rmse", "mae", "best"])
 
 
-def by_speed(table, text, rows=None):
+def by_speed(table, text, rows=None, title="{}"):
     """Return a text for each row and speed of a table of scores, and of the means over all speeds."""
     part = scores[scores["table"] == table]
     part = part if rows is None else part[part["row"].isin(rows)]
@@ -80,7 +80,7 @@ def by_speed(table, text, rows=None):
     cells = pd.concat([part.assign(speed=[f"{mph} mph" for mph in part["mph"]]), mean])
     cells["text"] = [text(cell) for cell in cells.itertuples()]
     wide = cells.pivot(index="row", columns="speed", values="text").loc[mean["row"], cells["speed"].unique()]
-    return wide.reset_index(names="")
+    return wide.rename(title.format).reset_index(names="")
 
 
 def mae(cell):
@@ -156,9 +156,7 @@ rg.table(table3, left=[""])
 # value in the middle is used.
 
 # %%
-decays = by_speed("decays", mae)
-decays[""] = "weight decay " + decays[""].astype(str)
-rg.table(decays, left=[""])
+rg.table(by_speed("decays", mae, title="weight decay {}"), left=[""])
 
 # %% [markdown]
 # ## Number of states and of neurons
@@ -176,9 +174,7 @@ rg.table(by_speed("inputs", mae), left=[""])
 # are best.
 
 # %%
-neurons = by_speed("neurons", mae)
-neurons[""] = neurons[""].astype(str) + " hidden neurons"
-rg.table(neurons, left=[""])
+rg.table(by_speed("neurons", mae, title="{} hidden neurons"), left=[""])
 
 # %% [markdown]
 # The paper finds around six neurons best for all speeds. Here six are best on average over the speeds, but nine are
@@ -311,12 +307,8 @@ rg.table(by_speed("honest", mae_and_of_mean), left=[""])
 
 # %%
 means = scores[scores["table"] == "general"].groupby("row", sort=False).mean(numeric_only=True).reset_index()
-general = by_speed("general", mae_and_of_mean)
-general["dry or not"], general["coverage"], general["width"] = (
-    means["mae_of_rule"],
-    100 * means["coverage"],
-    means["width"],
-)
+others = {"dry or not": means["mae_of_rule"], "coverage": 100 * means["coverage"], "width": means["width"]}
+general = by_speed("general", mae_and_of_mean).assign(**others)
 rg.table(general, {"dry or not": "{:.4f}", "coverage": "{:.0f} %", "width": "{:.4f}"}, left=[""])
 
 # %% [markdown]

@@ -186,12 +186,8 @@ names = {"worst": "(14), cases 1–5 [m/s]", "deviation": "O_6 [m/s]", "nis": "N
          "speed": "speed RMSE [m/s]", "distance": "distance"} | {name: titles[name] for name in errors}  # fmt: skip
 digits = dict.fromkeys(names.values(), "{:.2e}") | dict.fromkeys(("NIS", "NEES"), "{:.3g}")
 digits |= {"distance": "{:+.3f} %"} | {titles[name]: "{:.4f}" for name in errors}
-best = (
-    test[[f"{name}_constant" for name in errors]]
-    .set_axis(errors, axis=1)
-    .iloc[:1]
-    .rename(lambda _: "the best constant")
-)
+constants = [f"{name}_constant" for name in errors]
+best = test[constants].set_axis(errors, axis=1).iloc[:1].rename(lambda _: "the best constant")
 table = pd.concat([test[list(names)], best]).rename(columns=names)
 rg.table(table.reset_index(), digits)
 

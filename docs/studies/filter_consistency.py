@@ -41,29 +41,24 @@ stops = rg.evaluate(errors_of, {tuple(case.values()): case for case in every}.va
 # %% [markdown]
 # ## By load
 
+
 # %%
-by_load = (
-    stops[stops["fault"] == "none"]
-    .groupby(["load", "filter"], sort=False)
-    .agg(
-        stops=("nees", "size"),
-        rmse=("rmse", lambda errors: (errors**2).mean() ** 0.5),
-        bias=("bias", "mean"),
-        low=("nees", lambda nees: nees.quantile(0.1)),
-        middle=("nees", "median"),
-        high=("nees", lambda nees: nees.quantile(0.9)),
-    )
-    .reset_index()
-    .assign(load=lambda rows: 100 * rows["load"])
-)
+def root_mean_square(errors):
+    return (errors**2).mean() ** 0.5
+
+
+without_fault = stops[stops["fault"] == "none"].assign(load=100 * stops["load"])
+groups, quantiles = without_fault.groupby(["load", "filter"], sort=False), [0.1, 0.5, 0.9]
+by_load = groups.agg(stops=("nees", "size"), rmse=("rmse", root_mean_square), bias=("bias", "mean"))
+by_load = by_load.join(groups["nees"].quantile(quantiles).unstack()).reset_index()
 titles = ["load", "filter", "stops", "α RMSE", "α bias", "NEES 10 %", "NEES 50 %", "NEES 90 %"]
 forms = ["{:.0f} %", "", "{}", "{:.4f}", "{:.4f}", "{:.2g}", "{:.2g}", "{:.2g}"]
 rg.table(by_load.set_axis(titles, axis=1), dict(zip(titles, forms, strict=True)))
 
 # %%
-for name, of_filter in stops[stops["fault"] == "none"].groupby("filter", sort=False):
-    rmse = (of_filter["rmse"] ** 2).mean() ** 0.5
-    print(f"- {name}: over all loads the median of the NEES is {of_filter['nees'].median():.2g}, the RMSE {rmse:.4f}.")
+for name, of_filter in without_fault.groupby("filter", sort=False):
+    nees, rmse = of_filter["nees"].median(), root_mean_square(of_filter["rmse"])
+    print(f"- {name}: over all loads the median of the NEES is {nees:.2g}, the RMSE {rmse:.4f}.")
 
 # %% [markdown]
 # ## By fault
@@ -72,8 +67,8 @@ for name, of_filter in stops[stops["fault"] == "none"].groupby("filter", sort=Fa
 
 # %%
 faults = stops[(stops["seed"] == 1) & stops["load"].isin((0.8, 1.0, 1.05))]
-quantiles = faults.groupby(["fault", "filter"], sort=False)["nees"].quantile([0.1, 0.5, 0.9])
-by_fault = quantiles.map("{:.2g}".format).groupby(level=[0, 1], sort=False).agg(" / ".join).unstack(sort=False)
+nees = faults.groupby(["fault", "filter"], sort=False)["nees"].quantile(quantiles)
+by_fault = nees.map("{:.2g}".format).groupby(level=[0, 1], sort=False).agg(" / ".join).unstack(sort=False)
 by_fault.insert(0, "stops", faults.groupby("fault").size() // len(FILTERS))
 rg.table(by_fault.reset_index(), left=["fault"])
 

@@ -94,12 +94,9 @@ axes = list(laws)[: 1 if quick else None], stops.FILTERS, SCENARIOS
 cases = [dict(zip(("law", "filter", "scenario"), case, strict=True)) for case in product(*axes)]
 filters = rg.evaluate(stops.filter_row, cases, "printed_law_filters.csv")
 read = filters.groupby(["law", "scenario"])["distance"].transform("first")
-filters["text"] = [
-    f"{row.distance:.1f} m"
-    + ("" if row.filter == next(iter(stops.FILTERS)) else f" ({row.distance - own:+.1f} m)".replace("-", "−"))
-    + f", {row.error:.4f}"
-    for row, own in zip(filters.itertuples(), read, strict=True)
-]
+changes = (filters["distance"] - read).map(" ({:+.1f} m)".format).str.replace("-", "−")
+changes = changes.where(filters["filter"] != next(iter(stops.FILTERS)), "")
+filters["text"] = filters["distance"].map("{:.1f} m".format) + changes + filters["error"].map(", {:.4f}".format)
 filters["row"] = filters["law"].map(laws) + ": " + filters["filter"]
 wide = filters.pivot(index="row", columns="scenario", values="text").loc[filters["row"].unique(), list(SCENARIOS)]
 wide.columns = [rail.replace("_", " ") for rail in SCENARIOS]
