@@ -37,8 +37,8 @@ _TARGET_FACTOR = {"passenger P": 1.20, "freight P": 1.20, "freight G": 1.16}
 """kto of A.3.8.5: of trains that brake to a target speed above zero."""
 
 
-def basic_deceleration(percentage: float) -> Steps:
-    """Return A_basic(V) of a brake percentage (A.3.7.2 to A.3.7.6)."""
+def emergency_deceleration(percentage: float) -> Steps:
+    """Return A_brake_emergency(V), which is A_basic(V), of a brake percentage (A.3.7)."""
     limit = 16.85 * percentage**0.428
     rows = [(0.0, 0.0075 * percentage + 0.076)]
     rows += [
@@ -49,14 +49,9 @@ def basic_deceleration(percentage: float) -> Steps:
     return Steps.of(rows)
 
 
-def emergency_deceleration(percentage: float) -> Steps:
-    """Return A_brake_emergency(V) of a brake percentage (A.3.7.1)."""
-    return basic_deceleration(percentage)
-
-
 def service_deceleration(percentage: float) -> Steps:
     """Return A_brake_service(V) of a brake percentage, of which 135 % count at most (A.3.7.1)."""
-    return basic_deceleration(min(percentage, 135.0))
+    return emergency_deceleration(min(percentage, 135.0))
 
 
 def emergency_times(position: BrakePosition, length: float) -> tuple[float, float]:

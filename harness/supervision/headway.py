@@ -128,10 +128,6 @@ class Run:
     moving: Vector
     dwell: Vector
 
-    def time(self, location: float) -> float:
-        """Return the time at which the front end gets to a location [s]."""
-        return float(np.interp(location, self.location, self.moving) + np.interp(location, self.location, self.dwell))
-
 
 def run_of(layout: SignallingLayout, length: float, fastest: float, places: Sequence[float]) -> Run:
     """Return the run of a train from the first to the last of some places, which are points of it.

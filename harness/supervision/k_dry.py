@@ -20,7 +20,6 @@ from railgrip.trace.k_wet import Interval
 PROBABILITIES = (0.5, *(10.0**-level for level in range(1, 10)))
 """Probability of a deceleration below K times the nominal one, for EBCL 0 to 9 (SUBSET-040, K_dry_rst)."""
 
-_CONFIDENCE = 0.95
 _RATES = 1000
 """Draws of the failure rates, of which 25 are beyond either end of an interval."""
 
@@ -81,7 +80,7 @@ def k_factors(
     smallest = PROBABILITIES[-1]
     rates = rates_of(failures)
     # As deep and as many as the highest rates require, because the intervals include these rates.
-    highest = rates_of(failures, float(ndtri((1 + _CONFIDENCE) / 2)))
+    highest = rates_of(failures, float(ndtri((1 + rare.CONFIDENCE) / 2)))
     deep, neglected = rare.states_of(brake.units, highest, neglect=_NEGLECT * smallest)
     available, without = [state.available for state in deep], brake.without
     probabilities = rates.of_states(brake.units, available)

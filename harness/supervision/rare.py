@@ -19,6 +19,9 @@ from railgrip.trace.k_wet import Interval
 Performance = Callable[[Array], Array]
 """Standard normal numbers, shape (n, dimension) → performance, shape (n, outputs) or (n,); small is bad."""
 
+CONFIDENCE = 0.95
+"""Confidence of the intervals of K."""
+
 _TURNS = 3
 _STEP = 1e-3
 _ROUNDING = 1e-9
@@ -156,7 +159,7 @@ def pool_samples(samples: Sequence[Sample], shares: Sequence[float]) -> Sample:
 
 
 def estimates(
-    runs: Sequence[Sample], probabilities: Sequence[float], neglected: float = 0.0, confidence: float = 0.95
+    runs: Sequence[Sample], probabilities: Sequence[float], neglected: float = 0.0, confidence: float = CONFIDENCE
 ) -> tuple[Interval, ...]:
     """Return quantiles of all runs together, with intervals from the scatter of single runs (sectioning).
 
@@ -186,9 +189,8 @@ def widen(
     parts: Sequence[Sample],
     shares: Array,
     probabilities: Sequence[float],
-    confidence: float = 0.95,
 ) -> tuple[Interval, ...]:
-    """Return intervals of quantiles that include the uncertainty of the probabilities of the failure states.
+    """Return intervals of 95 % of quantiles that include the uncertainty of the probabilities of the failure states.
 
     The quantile is computed for each draw of the probabilities; the interval ranges from the lower to the upper
     quantile of the results, extended by the interval of sampling. Neglected states extend the intervals downwards.
@@ -198,12 +200,11 @@ def widen(
         parts: Sample of each state.
         shares: Draws of the states' probabilities, shape (draws, states).
         probabilities: Probabilities of the quantiles.
-        confidence: Confidence of the intervals.
     """
     grid = np.linspace(min(part.values[0] for part in parts), max(part.values[-1] for part in parts), _GRID)
     cumulative = shares @ np.array([part.probability_of_at_most(grid) for part in parts])
     left_out = np.maximum(1.0 - shares.sum(axis=1), 0.0)
-    tails = ((1 - confidence) / 2, (1 + confidence) / 2)
+    tails = ((1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2)
     wide: list[Interval] = []
     for bounds, probability in zip(intervals, probabilities, strict=True):
         places = [

@@ -13,8 +13,10 @@ from railgrip.base.errors import InputError
 from railgrip.base.groups import gather
 from railgrip.report import palette, style
 from railgrip.report.table import ReportTable
+from railgrip.rolling_stock.schema import Train
 from railgrip.supervision import fixed
 from railgrip.supervision.curve import Steps, braking_curve
+from railgrip.supervision.k_dry import QuasiStatic
 from railgrip.supervision.limits import (
     BrakingCase,
     Limits,
@@ -28,7 +30,7 @@ from railgrip.supervision.limits import (
 from railgrip.supervision.line import Target, doubts_of, load_line
 from railgrip.supervision.model import TrainData, model_of, safe_deceleration
 from railgrip.supervision.national import load_national
-from railgrip.supervision.trains import TrainBasis, model_of_train, read_train
+from railgrip.supervision.trains import data_of, model_of_train, read_train
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -77,12 +79,12 @@ class BrakingCurves:
 
     Attributes:
         case: Train, national values and line.
-        basis: What the braking model was made from, for a train file.
+        basis: The train of a train file, and its K factors.
         remarks: Sentences on values of the files that are unusual, or above the speed of the train.
     """
 
     case: BrakingCase
-    basis: TrainBasis | None = None
+    basis: tuple[Train, QuasiStatic] | None = None
     remarks: tuple[str, ...] = ()
 
     @cached_property
@@ -203,17 +205,17 @@ class BrakingCurves:
             none = "" if self.release else "; from there the train does not stop before the SvL: no release speed"
             lines.append(f"Trip location of the EoA: {trip_location(case):.1f} m{none}.")
         if self.basis is not None:
-            lines.append(self._origin(self.basis))
+            lines.append(self._origin(*self.basis))
         return (*lines, *self.remarks)
 
-    def _origin(self, basis: TrainBasis) -> str:
+    def _origin(self, train: Train, factors: QuasiStatic) -> str:
         names = {"etcs": "[etcs]", "dispersion": "[[dispersion]]", "failures": "[failures]"}
-        usual = [table for name, table in names.items() if not getattr(basis.train, name)]
-        level, of = self.case.national.M_NVEBCL, basis.factors.k[-1]
-        low = of[level]
+        usual = [table for name, table in names.items() if not getattr(train, name)]
+        level = self.case.national.M_NVEBCL
+        low = factors.k[-1][level]
         words = f"K_dry_rst of the stop at EBCL {level} is {low.value:.3f} ({low.low:.3f} to {low.high:.3f})."
         if usual:
-            words += f" {basis.train.name} lacks {', '.join(usual)}: estimates of railgrip, see docs/etcs.md."
+            words += f" {train.name} lacks {', '.join(usual)}: estimates of railgrip, see docs/etcs.md."
         return words
 
     def figure(self) -> "Figure":
@@ -304,7 +306,8 @@ def braking_curves(
     if isinstance(content, TrainData):
         model, basis = model_of(content), None
     else:
-        model, basis = model_of_train(content, values, notify)
+        model, factors = model_of_train(content, values, notify)
+        basis = content, factors
     case = BrakingCase(model, values, track)
     limited = {f"target: {target.name}": target.speed for target in track.target}
     limited["release_speed"] = track.release_speed or 0.0
@@ -316,8 +319,8 @@ def braking_curves(
     remarks = [
         f"{file.name}: {words}." for file, table in files if file for words in doubts_of(table, model.maximum_speed)
     ]
-    if basis is not None and basis.data.etcs.maximum_speed is None:
-        origin = "the speed of its fastest [[reference]]" if basis.train.reference else "an assumption"
+    if basis is not None and data_of(basis[0]).etcs.maximum_speed is None:
+        origin = "the speed of its fastest [[reference]]" if basis[0].reference else "an assumption"
         remarks.append(
             f"{model.name} has no [etcs] maximum_speed: its curves end at {3.6 * model.maximum_speed:g} km/h, {origin}."
         )

@@ -1,7 +1,6 @@
 """From a file to a braking model: a train file by its calculation by hand and K_dry, or a file of curves."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -64,27 +63,10 @@ def maximum_speed(train: Train) -> float:
     return data_of(train).etcs.maximum_speed or fastest_stop(train)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TrainBasis:
-    """What the braking model of a train file was made from.
-
-    Attributes:
-        train: The train.
-        data: Its data for ETCS.
-        brake: Its brake in steps of speed.
-        factors: Its K factors.
-    """
-
-    train: Train
-    data: BrakeData
-    brake: TrainBrake
-    factors: QuasiStatic
-
-
 def model_of_train(
     train: Train, national: NationalValues, notify: Callable[[str], None] = lambda what: None
-) -> tuple[BrakingModel, TrainBasis]:
-    """Return the braking model of a train file (§3.13.2.2), and what it was made from.
+) -> tuple[BrakingModel, QuasiStatic]:
+    """Return the braking model of a train file (§3.13.2.2), and its K factors.
 
     A_brake_emergency(V) and T_brake_emergency are those of its stop by hand, which they reproduce; K_dry_rst(V) comes
     from dispersion and failures. Full service braking has the same brakes without magnets.
@@ -118,7 +100,7 @@ def model_of_train(
         without_adhesion=data.etcs.brakes_without_adhesion,
         rotating=100 * by_hand(train, fastest).rotating_mass / train.mass,
     )
-    return model, TrainBasis(train=train, data=data, brake=brake, factors=factors)
+    return model, factors
 
 
 def read_train(file: Path) -> Train | TrainData:

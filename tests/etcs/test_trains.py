@@ -217,15 +217,15 @@ def test_a_train_file_may_have_its_own_data():
         {"quantity": "mass", "per": "train", "kind": "normal", "deviation": "1 %", "source": "weighed"}
     ]
     train = train_of(tables, "tram.toml")
-    model, basis = model_of_train(train, NationalValues())
+    model, _ = model_of_train(train, NationalValues())
     assert 3.6 * model.maximum_speed == pytest.approx(70)
     assert (model.position, model.service_times, model.cut_off_time) == ("freight P", (3.0, 3.0), 2.0)
     assert model.k_wet is not None
     assert model.k_wet.values.tolist() == [0.6]
-    assert len(basis.data.dispersion) == 1
+    assert len(data_of(train).dispersion) == 1
     # Full service braking is without the magnets.
     assert (model.service.values < 0.7 * model.emergency.values).all()
-    assert basis.data.failures == data_of(load_train(Path("vt642"))).failures
+    assert data_of(train).failures == data_of(load_train(Path("vt642"))).failures
 
 
 def test_two_stages_of_the_distributor_are_steps_of_the_brake():
