@@ -11,6 +11,7 @@ from railgrip.base.files import write_text
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
+from railgrip.report.stop import value_text
 from railgrip.report.table import ReportTable, bulleted, yes_no
 from railgrip.studies.study import Study
 from railgrip.supervision.results import BrakingCurves, braking_curves
@@ -86,14 +87,8 @@ def _answer(curves: BrakingCurves) -> str:
 
 
 def _given(curves: BrakingCurves) -> ReportTable:
-    values = curves.case.national.model_dump()
-    rows = [{"national value": name, "value": _plain(value)} for name, value in values.items()]
+    rows = [
+        {"national value": name, "value": value_text(yes_no(value) if isinstance(value, bool) else value)}
+        for name, value in curves.case.national.model_dump().items()
+    ]
     return ReportTable(rows, left=("national value", "value"))
-
-
-def _plain(value: Any) -> str:
-    if isinstance(value, tuple | list):
-        return ", ".join(f"({_plain(one)})" if isinstance(one, tuple | list) else _plain(one) for one in value)
-    if value is None or isinstance(value, bool):
-        return "none" if value is None else yes_no(value)
-    return f"{value:g}"

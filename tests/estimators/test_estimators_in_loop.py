@@ -13,7 +13,6 @@ from railgrip.simulate.run import run_stop
 from railgrip.studies.estimators.estimators_study import Estimators
 from railgrip.studies.estimators.loop import (
     ESTIMATES,
-    LoopCase,
     compare,
     compare_table_1,
     scenario_of_case,
@@ -30,14 +29,14 @@ def scenario():
 
 
 def test_the_present_estimates_are_those_of_the_scenario(scenario):
-    found = stop_in_loop(LoopCase(scenario=scenario, estimates="present"))
+    found = stop_in_loop((scenario, "present"))
     stop = run_stop(scenario)
     assert found["distance"] == stop.braking_distance
     assert found["nees"] == pytest.approx(np.mean(stop.figures.adhesion_nees), rel=1e-12)
 
 
 def test_the_true_state_has_no_error(scenario):
-    found = stop_in_loop(LoopCase(scenario=scenario, estimates="true state"))
+    found = stop_in_loop((scenario, "true state"))
     assert found["error"] == 0.0
     assert 0.0 < found["distance"] < math.inf
     assert math.isnan(found["nees"])
@@ -45,11 +44,11 @@ def test_the_true_state_has_no_error(scenario):
 
 def test_other_estimates_replace_only_the_estimator_and_its_period(scenario):
     for name in ESTIMATES:
-        tables = scenario_of_case(LoopCase(scenario=scenario, estimates=name)).resolved()
+        tables = scenario_of_case((scenario, name)).resolved()
         changed = {key for key, value in scenario.resolved().items() if tables[key] != value}
         assert changed <= {"estimator", "periods"}
-    searched = stop_in_loop(LoopCase(scenario=scenario, estimates="disturbed"))
-    assert searched != stop_in_loop(LoopCase(scenario=scenario, estimates="present"))
+    searched = stop_in_loop((scenario, "disturbed"))
+    assert searched != stop_in_loop((scenario, "present"))
 
 
 def test_ratios_are_those_of_the_same_cases():

@@ -6,7 +6,7 @@ limit, and with the true state, which limits what any estimator can achieve.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -49,12 +49,8 @@ LAWS_OF_TABLE_1: Final = ("adhesion_based", "slope_seeking")
 ESTIMATES_OF_TABLE_1: Final = ("present", "disturbed", "true state")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LoopCase:
-    """A stop: its scenario, with the present estimator, and the estimates that replace those."""
-
-    scenario: schema.Scenario
-    estimates: str
+LoopCase = tuple[schema.Scenario, str]
+"""The scenario of a stop, with the present estimator, and the estimates that replace those."""
 
 
 class TrueState:
@@ -90,7 +86,8 @@ def stop_in_loop(case: LoopCase) -> dict[str, float]:
     the estimated adhesion above 10 km/h, mean of the groups; `nees`: mean squared error of adhesion over its variance,
     mean of the groups, NaN for the true state.
     """
-    name, sensors = case.estimates, "ideal" if case.scenario.sensors.kind == "ideal" else "service"
+    scenario, name = case
+    sensors = "ideal" if scenario.sensors.kind == "ideal" else "service"
     with assemble(scenario_of_case(case)) as opened:
         estimator = opened.parts.estimator
         assert isinstance(estimator, StateEstimator)
@@ -123,17 +120,18 @@ def _figures(stop: Stop) -> dict[str, float]:
 
 def scenario_of_case(case: LoopCase) -> schema.Scenario:
     """Return the scenario of a case with the prediction, outlier limit and period of its estimates."""
+    scenario, estimates = case
     changes: TomlTable = {}
-    if case.estimates == "true state":
+    if estimates == "true state":
         # It does not use the radar, whose failure would release a group.
         changes["estimator"] = {"free_wheels": False}
-    elif case.estimates != "present":
-        name, _, period = case.estimates.partition(", ")
+    elif estimates != "present":
+        name, _, period = estimates.partition(", ")
         model = entry_of(name).model
         changes["estimator"] = {"model": model, "noise": "service", "outlier_limit": dict(OUTLIER_LIMITS)}
         if period:
             changes["periods"] = {"estimator": period}
-    return case.scenario.revised(changes)
+    return scenario.revised(changes)
 
 
 def stops_of_type_test(work: Work, count: int) -> Frame:
@@ -166,7 +164,7 @@ def stops_of_table_1(work: Work) -> Frame:
 
 def _stops(work: Work, rows: Sequence[tuple[str, str, schema.Scenario]]) -> Frame:
     """Return a row for each stop given by law, estimates and scenario, with these and its figures."""
-    results = work.map(stop_in_loop, [LoopCase(scenario=scenario, estimates=name) for _, name, scenario in rows])
+    results = work.map(stop_in_loop, [(scenario, name) for _, name, scenario in rows])
     return pandas.DataFrame(
         [{"law": law, "estimates": name, **found} for (law, name, _), found in zip(rows, results, strict=True)]
     )

@@ -144,7 +144,8 @@ def evidence_of(
     prediction, filter_ = _filter(period, tuple(sorted(parameters.items())))
     names = [f"cylinder_pressure[{g + 1}]" for g in range(groups)]
     pressure = samples(recording, names, ["Pa"] * groups)
-    readings = samples(recording, prediction.outputs, [model_units()[name] for name in prediction.outputs])
+    units = units_of(MODEL)
+    readings = samples(recording, prediction.outputs, [units[name] for name in prediction.outputs])
     at = prediction.outputs.index
     speed = _without_gaps(readings[:, at("speed")], "speed")
     wheels = np.stack(
@@ -231,12 +232,6 @@ def locked_samples(wheels: Matrix, speed: Vector, radius: float, around: int) ->
     """
     slides = slip_of(speed[:, None], radius * wheels) > _LOCKED
     return np.asarray(maximum_filter1d(slides, 2 * around + 1, axis=0, mode="nearest"), dtype=np.bool_)
-
-
-@cache
-def model_units() -> dict[str, str]:
-    """Return the units of the model's signals."""
-    return units_of(MODEL)
 
 
 @cache

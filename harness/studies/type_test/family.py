@@ -79,11 +79,13 @@ def _badness(row: Any) -> tuple[float, float, float]:
     return endless(row.median), row.lost or 0.0, endless(row.p95)
 
 
-def with_interval(value: float | None, interval: Interval = (None, None), missing: str = "no stop") -> str:
+def with_interval(
+    value: float | None, interval: Interval = (None, None), missing: str = "no stop", form: str = "{:.3f}"
+) -> str:
     """Return a ratio with its interval in brackets; None is `missing`, by default a train that does not stop."""
-    text = missing if value is None else f"{value:.3f}"
+    text = missing if value is None else form.format(value)
     low, high = interval
-    return text if low is None else f"{text} [{low:.3f}, {'no stop' if high is None else f'{high:.3f}'}]"
+    return text if low is None else f"{text} [{form.format(low)}, {'no stop' if high is None else form.format(high)}]"
 
 
 def by_axis(rows: Frame, board: Frame) -> dict[str, ReportTable]:

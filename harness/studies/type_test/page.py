@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any, Final, TypedDict
+from typing import Any, Final
 
 import numpy as np
 import pandas
@@ -213,10 +213,7 @@ def leaderboard(board: Frame) -> ReportTable:
             summary.air,
             summary.strokes,
             "" if summary.nees is None else f"{summary.nees:.2g} ({summary.nees_low:.2g} – {summary.nees_high:.2g})",
-            ""
-            if summary.k_wet is None
-            else f"{summary.k_wet:.2f}"
-            + ("" if summary.k_wet_low is None else f" [{summary.k_wet_low:.2f}, {summary.k_wet_high:.2f}]"),
+            with_interval(summary.k_wet, (summary.k_wet_low, summary.k_wet_high), "", "{:.2f}"),
         )
         for summary in board.itertuples()
     ]
@@ -367,16 +364,10 @@ def _distance_or_outcome(stops: Frame) -> Frame:
     return stops["distance_m"].astype(object).where(stops["distance_m"].notna(), stops["outcome"])
 
 
-class _Line(TypedDict):
-    color: str
-    linestyle: str
-    linewidth: float
-    label: str
-
-
-def _lines(board: Frame, candidates: Sequence[str]) -> dict[str, _Line]:
+def _lines(board: Frame, candidates: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return controller → look of its line."""
     colours, dashes = [colour for colour in palette.LINES if colour != palette.BLACK], ("-", "--", ":")
-    lines: dict[str, _Line] = {}
+    lines: dict[str, dict[str, Any]] = {}
     for n, name in enumerate(board["controller"]):
         colour, dash = colours[n % len(colours)], dashes[n // len(colours) % 3]
         colour, dash, width = (palette.BLACK, "-", 3.0) if name in candidates else (colour, dash, 1.2)
@@ -384,7 +375,7 @@ def _lines(board: Frame, candidates: Sequence[str]) -> dict[str, _Line]:
     return lines
 
 
-def _ratios(stops: Frame, lines: Mapping[str, _Line]) -> Figure | None:
+def _ratios(stops: Frame, lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
     if not stops["over_best"].count():
         return None
     figure = style.figure(9.5, 4.5)
@@ -422,7 +413,7 @@ def _by_curve(stops: Frame, controllers: Sequence[str]) -> Figure:
     return figure
 
 
-def _over_friction(stops: Frame, lines: Mapping[str, _Line]) -> Figure | None:
+def _over_friction(stops: Frame, lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
     # Distances over the ideal bound against mean friction, and their median over a tenth of the cases.
     compared = stops[stops["over_bound"].notna() & (stops["controller"] != "ideal_bound")]
     if compared.empty:
