@@ -24,7 +24,7 @@ Finding = tuple[Node, str]
 Sources = Mapping[int, tuple[str, bytes]]
 """Source id → (file name, text); places are byte offsets into the text."""
 
-_STRINGS = re.compile(r'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
+_TEXTS = re.compile(r"""//[^\n]*|/\*.*?\*/|"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'""", re.DOTALL)
 KINDS = "model|block|class|record|connector|type|function|package|operator"
 """Keywords of class definitions, as a regular expression."""
 SIMPLE = ("Real", "Integer", "Boolean", "String")
@@ -478,8 +478,8 @@ def _is_modification(argument: Node) -> bool:
 
 
 def without_texts(code: str) -> str:
-    """Return a Modelica text with comments and strings blanked, so that places stay as they are."""
-    return _STRINGS.sub(blank, code)
+    """Return a Modelica text with comments, strings and quoted names blanked, so that places stay as they are."""
+    return _TEXTS.sub(blank, code)
 
 
 def blank(match: re.Match[str]) -> str:

@@ -18,9 +18,8 @@ import rumoca
 from railgrip.base.errors import InputError, TranslationError
 from railgrip.base.files import read_bytes, read_text, scratch
 from railgrip.base.groups import gather
-from railgrip.fmus.native.classes import Node, Sources, Tree, read_tree
+from railgrip.fmus.native.classes import Node, Sources, Tree, read_tree, without_texts
 from railgrip.fmus.native.error_places import (
-    code_of,
     explain,
     has_class_extends,
     limits,
@@ -154,7 +153,7 @@ class Dae:
         place = span["source"], span["start"]
         if place not in self._initial:  # a class has many instances, and their assertions the same place
             _, text = self.sources[span["source"]]
-            keywords = _SECTION.findall(code_of(text[: span["start"]].decode(errors="replace")))
+            keywords = _SECTION.findall(without_texts(text[: span["start"]].decode(errors="replace")))
             self._initial[place] = bool(keywords) and bool(keywords[-1])
         return self._initial[place]
 

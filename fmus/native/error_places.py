@@ -51,7 +51,7 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
 
 
 def _class_within(path: Path, texts: dict[str, str], class_name: str) -> Iterator[str]:
-    found = re.match(r"\s*within\s+([\w.]+)\s*;", code_of(texts[short(path, path)]))
+    found = re.match(r"\s*within\s+([\w.]+)\s*;", without_texts(texts[short(path, path)]))
     if path.name != "package.mo" and found and not class_name.startswith(f"{found[1]}."):
         yield f"{short(path, path)}:1: the file has `within {found[1]};`, so its class is {found[1]}.{class_name}"
 
@@ -77,20 +77,15 @@ def explain(message: str) -> str:
     return message
 
 
-def code_of(text: str) -> str:
-    """Return a text with comments, strings and quoted names blanked, so that places stay as they are."""
-    return _TOKENS.sub(lambda m: m[0] if len(m[0]) == 1 else blank(m), text)
-
-
 def has_class_extends(path: Path) -> bool:
     """Return whether `model extends` or the like is in a file or library."""
     form = re.compile(rf"\b(?:{KINDS})\s+extends\b")
-    return any(form.search(text) and form.search(code_of(text)) for text in _texts(path).values())
+    return any(form.search(text) and form.search(without_texts(text)) for text in _texts(path).values())
 
 
 def _within(file: Path, path: Path, text: str) -> str | None:
     # What is wrong with the clause `within` of a file of a library, or with the name of its class (13.4).
-    code = code_of(text)
+    code = without_texts(text)
     found = re.match(r"\s*(?:within\b\s*([\w.\s]*);)?", code)
     clause = "".join((found[1] or "").split()) if found else ""
     folder = file.parent.parent if file.name == "package.mo" else file.parent
@@ -314,7 +309,6 @@ def _lines_with(names: Iterable[str], texts: dict[str, str]) -> Iterator[str]:
 
 _DEEPEST = 200
 """Maximum depth of nested brackets; rumoca's parser overflows its stack at a few thousand."""
-_TOKENS = re.compile(r"""//[^\n]*|/\*.*?\*/|"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[(\[{]|[)\]}]""", re.DOTALL)
 
 
 def require_readable(path: Path) -> None:
@@ -335,8 +329,8 @@ def require_readable(path: Path) -> None:
         if misplaced:
             raise InputError(f"{file}:{misplaced}.")
         depth = 0
-        for token in _TOKENS.finditer(text):
-            depth += 1 if token[0] in "([{" else -1 if token[0] in ")]}" else 0
+        for token in re.finditer(r"[()\[\]{}]", without_texts(text)):
+            depth += 1 if token[0] in "([{" else -1
             if depth > _DEEPEST:
                 line = text.count("\n", 0, token.start()) + 1
                 raise InputError(f"{file}:{line}: more than {_DEEPEST} nested brackets; declare parts as variables.")

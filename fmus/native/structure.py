@@ -5,7 +5,7 @@ decides the states to keep; the cost of demoting a state depends on its attribut
 Pantelides, SIAM J. Sci. Stat. Comput. 9 (1988) 213; Mattsson and Söderlind, SIAM J. Sci. Comput. 14 (1993) 677.
 """
 
-from collections.abc import Sequence, Set
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, field
 from graphlib import TopologicalSorter
 
@@ -84,15 +84,12 @@ def solve(
     # Block lower triangular form: a matching, then strongly connected components in the order of their dependence.
     match = _matching(row, column, equations, unknowns, owner)
     target_columns = ca.jacobian_sparsity(SX(ca.vertcat(*targets)), columns).get_triplet()[1] if targets else []
-    dependencies = _dependencies(row, column, match, target_columns)
     sides = _sides_equal_to_unknowns(equations, unknowns, match)
     names: list[SX] = []
     values: list[SX] = []
     newton: list[tuple[SX, SX]] = []
     divisors: list[tuple[str, SX, str]] = []
-    for rows in _blocks(row, column, match):
-        if rows[0] not in dependencies:
-            continue
+    for rows in _blocks(row, column, match, target_columns):
         block = [(equations[i], unknowns[int(match[i])]) for i in rows]
         side = sides.get(rows[0]) if len(block) == 1 else None
         if side is not None:
@@ -152,21 +149,10 @@ def _matching(
     return match
 
 
-def _dependencies(row: np.ndarray, column: np.ndarray, match: np.ndarray, target_columns: Sequence[int]) -> set[int]:
-    # A block is solved as a whole, so a value that depends on one of its rows depends on all of them.
-    equation_of = {j: i for i, j in enumerate(match.tolist())}
-    uses = gather((i, equation_of[j]) for i, j in zip(row.tolist(), column.tolist(), strict=True))
-    rows: set[int] = set()
-    stack = [equation_of[j] for j in target_columns]
-    while stack:
-        i = stack.pop()
-        if i not in rows:
-            rows.add(i)
-            stack += uses[i]
-    return rows
-
-
-def _blocks(row: np.ndarray, column: np.ndarray, match: np.ndarray) -> list[list[int]]:
+def _blocks(
+    row: np.ndarray, column: np.ndarray, match: np.ndarray, target_columns: Sequence[int]
+) -> Iterator[list[int]]:
+    # The rows of each block that targets depend on, in the order of dependence.
     n = len(match)
     equation_of = np.empty(n, dtype=int)
     equation_of[match] = np.arange(n)
@@ -177,7 +163,13 @@ def _blocks(row: np.ndarray, column: np.ndarray, match: np.ndarray) -> list[list
         if i != j:
             before[i].add(j)
     members = gather((k, i) for i, k in enumerate(label.tolist()))
-    return [members[k] for k in TopologicalSorter(before).static_order()]
+    order = list(TopologicalSorter(before).static_order())
+    # A block is solved as a whole, so a value that depends on one of its rows depends on all of them.
+    needed = set(label[equation_of[list(target_columns)]].tolist())
+    for k in reversed(order):
+        if k in needed:
+            needed |= before[k]
+    return (members[k] for k in order if k in needed)
 
 
 def _eliminate(
