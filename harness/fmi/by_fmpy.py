@@ -5,6 +5,7 @@ from collections.abc import Callable
 from functools import partial
 from importlib import import_module
 from math import isclose
+from types import SimpleNamespace
 from typing import Any, ClassVar, Final
 
 import numpy as np
@@ -183,13 +184,6 @@ def loaded_plant(description: Description) -> type[CoSimulation | SlaveOfFmi3 | 
     return CoSimulation if description.fmi == 2 else SlaveOfFmi3
 
 
-class _HeldInputs:
-    """Inputs in the interface of CVodeSolver; they are held, and set at events only."""
-
-    def apply(self, time: float) -> None:
-        """Do nothing: the inputs are held."""
-
-
 def _solver(instance: Instance, period: float, begin: float) -> Any:
     # FMPy includes CVODE for some platforms only, and loads it with this module.
     try:
@@ -251,7 +245,8 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
             get_z=fmu.getEventIndicators,
             get_nominals=partial(_read_nominals, fmu),
             set_time=fmu.setTime,
-            input=_HeldInputs(),
+            # Inputs are held, and set at events only.
+            input=SimpleNamespace(apply=lambda time: None),
             startTime=begin,
             # Search for state events once or more often in each period.
             maxStep=period,

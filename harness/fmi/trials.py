@@ -2,12 +2,12 @@
 
 import ctypes
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import Any, Final, cast
+from typing import Final
 
 import numpy as np
-from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 from numpy.typing import NDArray
 
@@ -59,30 +59,15 @@ def seconds_of_fmpy(
 ) -> tuple[float, Vector]:
     """Return the time [s] of `count` steps through FMPy's FMU2Slave, and the last outputs."""
     channels_in, channels_out = _only_real(description, binding)
-    with unpack(description) as folder:
-        slave: Any = FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=str(folder),
-            modelIdentifier=cast(Any, description.co_simulation).identifier,
-            instanceName="fmpy",
-        )
-        slave.instantiate()
-        slave.setupExperiment(startTime=0.0)
-        slave.enterInitializationMode()
-        to, start = channels_in.references.tolist(), inputs.tolist()
-        slave.setReal(to, start)
-        slave.exitInitializationMode()
-        references = channels_out.references.tolist()
-        last: list[float] = []
+    to, start, references = channels_in.references.tolist(), inputs.tolist(), channels_out.references.tolist()
+    with _started(description, to, start) as fmu:
+        slave, last = fmu.fmpy, list[float]()
         begin = time.perf_counter()
         for k in range(count):
             slave.setReal(to, start)
             slave.doStep(k * period, period)
             last = slave.getReal(references)
-        took = time.perf_counter() - begin
-        slave.terminate()
-        slave.freeInstance()
-    return took, np.array(last)
+        return time.perf_counter() - begin, np.array(last)
 
 
 def seconds_in_c(
@@ -97,29 +82,33 @@ def seconds_in_c(
     channels_in, channels_out = _only_real(description, binding)
     library = ctypes.CDLL(str(shared_library({"steps.c": C_LOOP}, "steps", flags=("-fvisibility=default",))))
     u, y = inputs.astype(float), np.zeros(len(channels_out.references))
-    with unpack(description) as folder:
-        fmu = Instance(description, "co-simulation", folder, name="c")
-        try:
-            fmu.enter_initialization()
-            fmu.exit_initialization()
-            arguments = [
-                *(ctypes.c_void_p(fmu.address(name)) for name in ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal")),
-                ctypes.c_void_p(fmu.component),
-                *_pointer_and_size(channels_in.references),
-                ctypes.c_void_p(u.ctypes.data),
-                *_pointer_and_size(channels_out.references),
-                ctypes.c_void_p(y.ctypes.data),
-                ctypes.c_double(period),
-                ctypes.c_int(count),
-            ]
-            steps: Callable[..., int] = library.steps
-            begin = time.process_time()
-            status = steps(*arguments)
-            took = time.process_time() - begin
-            fmu.check(status, "fmi2DoStep", count * period)
-        finally:
-            fmu.close()
+    with _started(description, channels_in.references.tolist(), u.tolist()) as fmu:
+        arguments = [
+            *(ctypes.c_void_p(fmu.address(name)) for name in ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal")),
+            ctypes.c_void_p(fmu.component),
+            *_pointer_and_size(channels_in.references),
+            ctypes.c_void_p(u.ctypes.data),
+            *_pointer_and_size(channels_out.references),
+            ctypes.c_void_p(y.ctypes.data),
+            ctypes.c_double(period),
+            ctypes.c_int(count),
+        ]
+        steps: Callable[..., int] = library.steps
+        begin = time.process_time()
+        status = steps(*arguments)
+        took = time.process_time() - begin
+        fmu.check(status, "fmi2DoStep", count * period)
     return took, y
+
+
+@contextmanager
+def _started(description: Description, references: list[int], inputs: list[float]) -> Generator[Instance]:
+    with unpack(description) as folder, closing(Instance(description, "co-simulation", folder, name="trial")) as fmu:
+        fmu.enter_initialization()
+        with fmu.calling(0.0, "setting inputs") as slave:
+            slave.setReal(references, inputs)
+        fmu.exit_initialization()
+        yield fmu
 
 
 def _pointer_and_size(references: NDArray[np.uint32]) -> tuple[ctypes.c_void_p, ctypes.c_size_t]:
