@@ -372,8 +372,12 @@ class CLibrary:
         """Return a struct of a type in the headers; `fields` are as for `Struct.set`, all others are zero."""
         return Struct(self._ffi, name, fields)
 
+    def array(self, name: str, elements: Sequence["Struct"]) -> "Struct":
+        """Return an array of copies of structs of a type in the headers, for a field that points to the first."""
+        return _StructArray(self._ffi, name, elements)
+
     def records(self, name: str, count: int) -> NDArray[np.void]:
-        """Return an array of `count` zeroed structs of a type in the headers; pointers in them are addresses."""
+        """Return an array of `count` zeroed structs of a type in the headers, which has no pointers."""
         fields = self._ffi.typeof(name).fields
         dtype = np.dtype(
             {
@@ -451,17 +455,15 @@ class Struct:
         """Return the index of each word that is a pointer, to data or a function → its field, `Type.field`."""
         return dict(self._pointers(self._ffi.typeof(self._name), 0))
 
-    def _pointers(self, kind: Any, begin: int) -> Iterator[tuple[int, str]]:
-        for name, field in kind.fields:
-            inner, count = field.type, 1
-            if inner.kind == "array":
-                inner, count = inner.item, inner.length
-            first, size = begin + field.offset, self._ffi.sizeof(inner)
-            for place in range(first, first + count * size, size):
-                if inner.kind == "struct":
-                    yield from self._pointers(inner, place)
-                elif inner.kind in ("pointer", "function"):
-                    yield place // WORD, f"{kind.cname}.{name}"
+    def _pointers(self, kind: Any, begin: int, field: str = "") -> Iterator[tuple[int, str]]:
+        if kind.kind == "struct":
+            for name, inner in kind.fields:
+                yield from self._pointers(inner.type, begin + inner.offset, f"{kind.cname}.{name}")
+        elif kind.kind == "array":
+            for place in range(kind.length):
+                yield from self._pointers(kind.item, begin + place * self._ffi.sizeof(kind.item), field)
+        elif kind.kind in ("pointer", "function"):
+            yield begin // WORD, field
 
     def _convert(self, kind: Any, value: Any) -> Any:
         if kind.kind not in ("pointer", "function"):
@@ -474,6 +476,16 @@ class Struct:
             return value.pointer
         address = value.ctypes.data if isinstance(value, np.ndarray) else value
         return self._ffi.cast(kind, address or 0)
+
+
+class _StructArray(Struct):
+    """Copies of structs of one type, one after the other; its fields are numbers."""
+
+    def __init__(self, ffi: Any, name: str, elements: Sequence[Struct]) -> None:
+        self._ffi, self._name = ffi, f"{name}[{len(elements)}]"
+        self._fields = {str(place): element for place, element in enumerate(elements)}
+        self._types = dict.fromkeys(self._fields, ffi.typeof(name))
+        self.pointer = ffi.new(self._name, [element.pointer[0] for element in elements])
 
 
 def _format(kind: Any) -> Any:

@@ -10,7 +10,7 @@ from collections.abc import Generator
 from contextlib import ExitStack, contextmanager
 from math import ceil, isclose, isfinite
 from pathlib import Path
-from typing import Any, ClassVar, Final, Self
+from typing import ClassVar, Final, Self
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from railgrip.base.errors import FmuError, PlantFailed
 from railgrip.fmi.description import Description
 from railgrip.fmi.instance import Assignment, Instance, Values, Way, assignments, unpack
 from railgrip.fmi.mapping import Binding, Channel
-from railgrip.fmus.native.toolchain import kernel_library
+from railgrip.fmus.native.toolchain import Struct, kernel_library
 
 Span = tuple[float, float | None]
 """Time of an FMU at the start, and the longest time from there that it is stepped, None if that is not known [s]."""
@@ -230,6 +230,18 @@ class LoadedPlant(SteppedPlant):
 _KERNEL: Final = ("railgrip.fmi", "set_step_get")
 
 
+def _channel(channel: Channel, exchange: int) -> Struct:
+    is_integer, size = channel.carrier != "Real", len(channel.references)
+    units = dict[str, Vector]()
+    if np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0):
+        units = {"gain": np.ascontiguousarray(channel.gain), "shift": np.ascontiguousarray(channel.shift)}
+    return kernel_library(*_KERNEL).struct(
+        "Channel", transfer=exchange, references=channel.references, count=size, whole=is_integer,
+        positions=np.ascontiguousarray(channel.positions, dtype=np.longlong),
+        buffer=np.zeros(size, dtype=np.intc if is_integer else np.float64), **units,
+    )  # fmt: skip
+
+
 class CoSimulation(LoadedPlant):
     """A co-simulation FMU 2.0 in this process, stepped in C.
 
@@ -246,34 +258,21 @@ class CoSimulation(LoadedPlant):
     def _prepare(self, instance: Instance) -> None:
         sending, receiving = self._binding.inputs, self._binding.outputs
         self.inputs, self.outputs = np.zeros(sending.size), self._blank.copy()
-        self._keep: list[Any] = []
         library = kernel_library(*_KERNEL)
-        to, of = (library.records("Channel", len(side.channels)) for side in (sending, receiving))
-        for row, channel in zip(to, sending.channels, strict=True):
-            self._fill(row, channel, instance.address(f"fmi2Set{channel.carrier}"))
-        for row, channel in zip(of, receiving.channels, strict=True):
-            self._fill(row, channel, instance.address(f"fmi2Get{channel.carrier}"))
+        to, of = (
+            [_channel(each, instance.address(f"fmi2{verb}{each.carrier}")) for each in side.channels]
+            for verb, side in (("Set", sending), ("Get", receiving))
+        )
         self._struct = library.struct(
-            "SetStepGet", fmu=instance.component, step=instance.address("fmi2DoStep"), senders=to, receivers=of,
-            n_senders=len(to), n_receivers=len(of), n_outputs=self.outputs.size, inputs=self.inputs,
-            outputs=self.outputs, period=self._period, begin=self._begins,
+            "SetStepGet", fmu=instance.component, step=instance.address("fmi2DoStep"), n_senders=len(to),
+            senders=library.array("Channel", to), receivers=library.array("Channel", of), n_receivers=len(of),
+            n_outputs=self.outputs.size, inputs=self.inputs, outputs=self.outputs, period=self._period,
+            begin=self._begins,
         )  # fmt: skip
         self._functions = library.functions
         # A call releases the interpreter's lock: a thread of the FMU may need it, and so does Ctrl-C.
         self._step, self._plan = library.functions.set_step_get, self._struct.pointer
         self.entry, self.plan = library.address("set_step_get"), self._struct.address
-
-    def _fill(self, row: np.void, channel: Channel, exchange: int) -> None:
-        is_integer = channel.carrier != "Real"
-        buffer = np.zeros(len(channel.references), dtype=np.intc if is_integer else np.float64)
-        places = np.ascontiguousarray(channel.positions, dtype=np.longlong)
-        arrays = {"references": channel.references, "positions": places, "buffer": buffer}
-        if np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0):
-            arrays |= {"gain": np.ascontiguousarray(channel.gain), "shift": np.ascontiguousarray(channel.shift)}
-        self._keep += arrays.values()
-        row["transfer"], row["count"], row["whole"] = exchange, buffer.size, is_integer
-        for name, array in arrays.items():
-            row[name] = array.ctypes.data
 
     @property
     def setup(self) -> tuple[Description, Binding, tuple[Assignment, ...]]:

@@ -6,6 +6,7 @@ from kernel_calls import Encoder, show, transmit
 from synthetic import LAYOUT
 from test_sensors import encoder_readings
 
+from railgrip.fmus.native.discrete import memory_image
 from railgrip.simulate.faults.site import FREE, Faults
 
 SPEED = LAYOUT.reading["speed"].start
@@ -134,3 +135,17 @@ def test_a_pole_wheel_without_a_gap_reads_the_same():
     encoder = Encoder(missing=3, begin=10**6, end=10**9)
     _, true, plain = encoder_readings(lambda t: 50 - 2 * t, 2.0)
     assert np.array_equal([encoder.read(k, w) for k, w in enumerate(true)], plain, equal_nan=True)
+
+
+def test_the_memory_of_faults_can_be_moved_with_its_rings():
+    """In a browser the loop has its memory at other addresses, so every pointer in it must be a link of the image."""
+    faults = Faults(LAYOUT, valves=True, noise_rate=1)
+    faults.add_reading("noisy", SPEED, begin=0, end=9, value=1.0, noise=UP_AND_DOWN)
+    for group in (0, 1):
+        faults.add_command("late", group, begin=0, end=9, delay=group)
+    image = memory_image(faults.struct)
+    arrays_and_their_rings = 2 + 3
+    assert len(image.links) == arrays_and_their_rings
+    ends = sorted(int(target) for _, target in image.links)
+    assert ends[-1] < 8 * image.words.size
+    assert not image.words[image.links[:, 0]].any()

@@ -11,6 +11,7 @@ import numpy as np
 
 from railgrip.base.arrays import Vector
 from railgrip.base.errors import ScenarioError
+from railgrip.fmus.native.toolchain import Struct
 from railgrip.kernel import kernel, rate_of
 from railgrip.scenario.faults import Fault
 from railgrip.scenario.schema import Scenario
@@ -43,13 +44,12 @@ class Faults:
             noise_rate: Number of samples that a draw of noise lasts; less than 1 if the loop skips draws.
         """
         self._kernel = kernel(layout)
-        self._rows = {name: self._kernel.records("Fault", 0) for name in ("reading", "command")}
-        self._rings: list[Vector] = []
+        self._rows: dict[str, list[Struct]] = {"reading": [], "command": []}
         self.struct = self._kernel.struct("Faults", valves=valves, noise_rate=rate_of(layout, noise_rate))
 
     def __bool__(self) -> bool:
         """Return whether there is a fault."""
-        return any(len(rows) for rows in self._rows.values())
+        return any(self._rows.values())
 
     def add_reading(
         self, kind: ReadingKind, place: int, *, begin: int, end: int, value: float = 0.0, noise: Vector | None = None
@@ -93,15 +93,10 @@ class Faults:
         )  # fmt: skip
 
     def _add(self, changed: str, kind: str, ring: Vector | None, **numbers: float) -> None:
-        row = self._kernel.records("Fault", 1)
-        row["kind"], row["last"] = getattr(self._kernel.functions, kind.upper()), math.nan
-        for name, number in numbers.items():
-            row[name] = number
-        if ring is not None:
-            self._rings.append(np.ascontiguousarray(ring))
-            row["ring"], row["count"] = self._rings[-1].ctypes.data, ring.size
-        rows = self._rows[changed] = np.concatenate([self._rows[changed], row])
-        self.struct.set(**{f"{changed}s": rows, f"{changed}_count": len(rows)})
+        memory = {} if ring is None else {"ring": np.ascontiguousarray(ring), "count": ring.size}
+        kind_in_c, rows = getattr(self._kernel.functions, kind.upper()), self._rows[changed]
+        rows.append(self._kernel.struct("Fault", kind=kind_in_c, last=math.nan, **numbers, **memory))
+        self.struct.set(**{f"{changed}s": self._kernel.array("Fault", rows), f"{changed}_count": len(rows)})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
