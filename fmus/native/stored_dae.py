@@ -80,15 +80,15 @@ def _relation(number: int, relation: Node, expressions: Sequence[Node], steps: S
 
 
 def _expressions(stored: Node) -> tuple[list[Node], list[int]]:
-    # The expressions, and the ids of the relations that represent the steps of mod, rem and div.
+    # The expressions, and for each mod, rem and div the id of the relation that represents its steps; one in a function
+    # has none, but a number.
     out: list[Node] = []
     steps: list[int] = []
     operands, subscripts = iter(stored["operands"]), iter(stored["subscripts"])
     for node, provenance in zip(stored["nodes"], stored["provenance"], strict=True):
         if "runtime_quotient_owner" in node:
             operations = _quotient(node["runtime_quotient_owner"], len(out))
-            if len(operations) > 1:
-                steps.append(len(out) + len(operations) - 1)
+            steps.append(len(out) + len(operations) - 1)
         else:
             operations = [_operation(node, operands, subscripts, out)]
         out += [{"operation": operation, "provenance": provenance} for operation in operations]

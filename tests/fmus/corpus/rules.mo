@@ -34,6 +34,10 @@ equation der(x) = y; end M;
 model M Integer n = integer(10*time); Integer d = div(n, 3); Integer r = rem(n, 3); Integer m = mod(n - 5, 3);
 Real y = 100*d + 10*r + m; end M;
 
+// 3.7.2 mod in a function next to div in the class; y = math.floor(10 * t) // 3; z = t % 0.4
+function own input Real x; output Real y; algorithm y := mod(x, 0.4); end own;
+model M Integer n = integer(10*time); Integer y = div(n, 3); Real z = own(time); end M;
+
 // 3.7.2 integer of a state counts revolutions; y = math.floor(3.3 * t)
 model M Real s(start=0, fixed=true); Integer i = integer(s); Real y = i; equation der(s) = 3.3; end M;
 
@@ -357,7 +361,7 @@ package P constant Real a = 2*b; constant Real b = 3; constant Integer n = size(
 {1, a, b}; end P; model M Real y = P.a + 10*P.n + P.v[2]; end M;
 
 // 13.2 a table of constants; y = 4 * t + 9
-package P constant Real v[2, 3] = [1, 2, 3; 4, 5, 6]; end P; model M Real y = P.v[2, 1]*time + sum(P.v[:, 3]); end M;
+package own constant Real v[2, 3] = [1, 2, 3; 4, 5, 6]; end own; model M Real y = own.v[2, 1]*time + sum(own.v[:, 3]); end M;
 
 // refused: 5.3.1 two functions of one name; y = 32*t
 package P function f input Real x; output Real y; algorithm y := 2*x; end f; model A Real z = f(time); end A; end P;
@@ -645,9 +649,6 @@ model M Real x(start=1); Real y(start=6, fixed=true) = 2*x; equation der(x) = -x
 
 // 8.6 a nonlinear initial equation; x = 2 + t
 model M Real x(start=1); initial equation x^3 + x = 10; equation der(x) = 1; end M;
-
-// 8.6 a start value is the value of a state without another condition; x = 2 * math.exp(-t)
-model M Real x(start=2); equation der(x) = -x; end M;
 
 // refused: 8.6 a parameter with fixed=false; x = math.exp(-3 * t)
 model M parameter Real k(fixed=false, start=1); Real x(start=1, fixed=true); initial equation der(x) = -3;
