@@ -36,6 +36,7 @@ COLUMNS = {
     "disc_temperature": {"column": "T", "unit": "degC"},
 }
 SPEED = COLUMNS["speed"]
+LIMITED = {"speed": SPEED | {"range": ["0 km/h", "200 km/h"]}}
 WRITTEN = {column["column"]: column["unit"] for column in COLUMNS.values()}
 
 
@@ -138,13 +139,7 @@ def test_a_structure_of_a_mat_file_is_addressed_by_a_dot(tmp_path):
         ("v", dict.fromkeys(range(300, 500), 61.2), {}, ("speed", "frozen", 3.01, 199), range(301, 500)),
         ("n", LOCKED, {}, ("wheelset_speed", "zero", 3.0, 200), range(0)),
         ("n", dict.fromkeys(range(300, 500), 0.0), {}, ("wheelset_speed", "jump", 3.0, 200), range(300, 500)),
-        (
-            "v",
-            dict.fromkeys(range(600, 610), 655.35),
-            {"speed": SPEED | {"range": ["0 km/h", "200 km/h"]}},
-            ("speed", "range", 6.0, 10),
-            range(600, 610),
-        ),
+        ("v", dict.fromkeys(range(600, 610), 655.35), LIMITED, ("speed", "range", 6.0, 10), range(600, 610)),
         ("v", dict.fromkeys(range(200, 240), np.nan), {}, ("speed", "gap", 1.99, 0), range(200, 240)),
         ("v", {700: np.nan}, {}, None, range(700, 701)),
     ],

@@ -75,6 +75,12 @@ def table(columns: dict[str, Any], **changes: Any) -> DataTable:
     return data_table(columns, **{"time": {"column": "t"}, "frozen": 1e3, "spike": 1e6} | changes)
 
 
+def csv_of(folder: Path, text: str) -> Path:
+    path = folder / "run.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
 @given(files())
 def test_a_file_of_any_format_reads_back_to_the_same_values(tmp_path_factory, file):
     content, headers, values = file
@@ -114,9 +120,7 @@ def test_g_is_gravity_for_an_acceleration_and_gram_for_a_mass():
 
 @pytest.mark.parametrize(("text", "columns"), stored(__file__, "tables.toml")["separators"])
 def test_separator_and_decimal_sign_are_detected(tmp_path, text, columns):
-    path = tmp_path / "run.csv"
-    path.write_text(text, encoding="utf-8")
-    values = read_delimited(path).values
+    values = read_delimited(csv_of(tmp_path, text)).values
     assert {name: values[name].tolist() for name in columns} == columns
 
 
@@ -133,16 +137,13 @@ def test_separator_and_decimal_sign_are_detected(tmp_path, text, columns):
     ],
 )
 def test_an_ambiguous_comma_is_refused(tmp_path, text, sentence):
-    path = tmp_path / "run.csv"
-    path.write_text(text, encoding="utf-8")
     with pytest.raises(EstimationError, match=rf"run\.csv.*{sentence}"):
-        read_delimited(path)
+        read_delimited(csv_of(tmp_path, text))
 
 
 def test_the_key_decimal_determines_the_meaning_of_a_comma(tmp_path):
     """The value is 50 with a decimal comma; with a decimal point the text is refused, never read as another number."""
-    path = tmp_path / "run.csv"
-    path.write_text("t;F\n0;50,000\n1;48,500\n", encoding="utf-8")
+    path = csv_of(tmp_path, "t;F\n0;50,000\n1;48,500\n")
     changes = {"time": {"column": "t", "unit": "s"}, "period": 1.0, "longest_gap": 1.5}
 
     def read(decimal):
@@ -154,7 +155,7 @@ def test_the_key_decimal_determines_the_meaning_of_a_comma(tmp_path):
         with pytest.raises(EstimationError, match="50,000"):
             read(decimal)
     for text, decimal in (("t;F\n0,5;50.000\n1,5;48.000\n", {}), ("t;F\n0,5;50.000\n1,5;48.500\n", {"decimal": ","})):
-        path.write_text(text, encoding="utf-8")
+        csv_of(tmp_path, text)
         with pytest.raises(EstimationError, match=r"column 'F' must have numbers, .* '50\.000'.* decimal sign .* ','"):
             read(decimal)
 
@@ -173,11 +174,11 @@ def test_tables_of_a_scenario_refuse_thousands_separators(tmp_path):
 )
 @pytest.mark.parametrize("decimal", [".", ","])
 def test_a_second_header_line_contains_the_units(tmp_path, row, decimal):
-    path, names = tmp_path / "run.csv", "t;v;n;F"
+    names = "t;v;n;F"
     numbers = [f"{0.01 * k:.2f};{72 - 0.1 * k:.1f};{300 - k:.1f};12.5".replace(".", decimal) for k in range(40)]
     if row.endswith("-"):
         names, numbers = f"{names};remark", [f"{line};ok" for line in numbers]
-    path.write_text("\n".join([names, row, *numbers]), encoding="utf-8")
+    path = csv_of(tmp_path, "\n".join([names, row, *numbers]))
     columns = {"speed": {"column": "v"}, "wheelset_speed": {"column": "n"}, "pad_force": {"column": "F"}}
     units = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N"}
     arguments = units, ["pad_force"], ["speed", "wheelset_speed"]
@@ -192,16 +193,14 @@ def test_a_second_header_line_contains_the_units(tmp_path, row, decimal):
 
 @pytest.mark.parametrize("row", ["0;1", "1;1", "start;stop", "0;s"])
 def test_a_row_of_numbers_or_words_is_not_a_row_of_units(tmp_path, row):
-    path = tmp_path / "run.csv"
-    path.write_text(f"t;v\n{row}\n2;3\n", encoding="utf-8")
+    path = csv_of(tmp_path, f"t;v\n{row}\n2;3\n")
     assert read_delimited(path).units == {}
     assert len(read_delimited(path).values["t"]) == 2
 
 
 def test_no_warning_of_a_library_is_passed_on(tmp_path):
     """pandas warns about dates without a common format; the user cannot act on it."""
-    path = tmp_path / "run.csv"
-    path.write_text("Datum;v [km/h];F [kN]\n12:00:01;3;1\n12:00:02;4;1\n12:00:03;5;1\n", encoding="utf-8")
+    path = csv_of(tmp_path, "Datum;v [km/h];F [kN]\n12:00:01;3;1\n12:00:02;4;1\n12:00:03;5;1\n")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert inspect_recording(path, Path("rig_own")).findings[0].period == 1.0

@@ -12,7 +12,6 @@ from small_models import (
     wheelset,
 )
 
-from railgrip.base.errors import FilterDiverged
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.design import Gate
 from railgrip.estimators.ekf import ExtendedKalmanFilter
@@ -116,17 +115,6 @@ def test_parameters_change_without_compiling_again(own_cache, fast):
     assert_same(expected, other.step(first, HELD, SEEN), 1e-12)
     fast.parameters[:] = worn.parameters
     assert np.array_equal(fast.step(first, HELD, SEEN).mean, other.step(first, HELD, SEEN).mean)
-
-
-def test_divergence_is_reported_equally_and_leaves_the_estimate_unchanged(fast):
-    first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
-    with pytest.raises(FilterDiverged, match="predicted"):
-        fast.step(first, np.array([np.nan, np.nan]), np.zeros(3))
-    assert np.array_equal(fast.mean, FIRST_MEAN)
-    with pytest.raises(FilterDiverged, match="readings"):
-        fast.step(first, np.zeros(2), np.array([np.inf, 0.0, 0.0]))
-    assert np.array_equal(fast.mean, FIRST_MEAN)
-    assert np.array_equal(fast.covariance, np.diag(FIRST_VARIANCE))
 
 
 def test_a_machine_without_wide_vectors_gets_the_same_bits(rolling):

@@ -104,11 +104,18 @@ def test_covariance_stays_definite_and_symmetric_for_any_readings(rolling):
             assert np.min(np.linalg.eigvalsh(correlation)) > 0.0
 
 
-def test_a_mean_that_is_not_finite_is_a_diverged_filter(ours, first):
-    with pytest.raises(FilterDiverged, match="v, w"):
-        ours.step(first, np.array([np.nan, np.nan]), np.zeros(3))
+@pytest.mark.parametrize(("kind", "predicted"), [(ExtendedKalmanFilter, "v, w"), (CompiledFilter, "mean")])
+def test_a_mean_that_is_not_finite_is_a_diverged_filter(rolling, kind, predicted):
+    """A compiled filter keeps its estimate."""
+    filter_ = kind(rolling, DENSITY, READING, PERIOD)
+    first = filter_.start(FIRST_MEAN, FIRST_VARIANCE)
+    with pytest.raises(FilterDiverged, match=f"predicted {predicted}"):
+        filter_.step(first, np.array([np.nan, np.nan]), np.zeros(3))
     with pytest.raises(FilterDiverged, match="readings"):
-        ours.step(first, np.zeros(2), np.array([np.inf, 0.0, 0.0]))
+        filter_.step(first, np.zeros(2), np.array([np.inf, 0.0, 0.0]))
+    if kind is CompiledFilter:
+        assert np.array_equal(filter_.mean, FIRST_MEAN)
+        assert np.array_equal(filter_.covariance, np.diag(FIRST_VARIANCE))
 
 
 @pytest.mark.parametrize(

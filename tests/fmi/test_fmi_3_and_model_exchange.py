@@ -193,13 +193,8 @@ def test_a_period_that_is_not_a_multiple_of_the_internal_step_is_refused(foundry
 
 
 def declaring(step: str, variable: str = "false") -> str:
-    return (
-        xml(ways=("CoSimulation",))
-        .replace(
-            'canHandleVariableCommunicationStepSize="true"', f'canHandleVariableCommunicationStepSize="{variable}"'
-        )
-        .replace("  <ModelVariables>", f'  <DefaultExperiment stepSize="{step}"/><ModelVariables>')
-    )
+    text = xml(ways=("CoSimulation",)).replace('StepSize="true"', f'StepSize="{variable}"')
+    return text.replace("  <ModelVariables>", f'  <DefaultExperiment stepSize="{step}"/><ModelVariables>')
 
 
 @pytest.mark.parametrize("kind", [CoSimulation, IsolatedCoSimulation])

@@ -124,12 +124,8 @@ def test_running_backwards_is_a_rotation_by_half_a_turn():
     )  # fmt: skip
     behind = in_axes_of_car(motion)
     assert behind.longitudinal.tolist() == [[[-8.0, -7.0], [-6.0, -5.0], [-4.0, -3.0], [-2.0, -1.0]]]
-    assert (
-        behind.lateral.tolist()
-        == behind.slip_acceleration.tolist()
-        == behind.offset.tolist()
-        == [[-7.0, -5.0, -3.0, -1.0]]
-    )
+    for signal in (behind.lateral, behind.slip_acceleration, behind.offset):
+        assert signal.tolist() == [[-7.0, -5.0, -3.0, -1.0]]
     assert behind.friction.tolist() == behind.creep.tolist() == [[7.0, 5.0, 3.0, 1.0]]
     assert behind.speed.tolist() == [26.8]
 
