@@ -254,7 +254,7 @@ def stepped(
         wrong: An entry of its directional derivatives is another one.
     """
     library = shared_library(
-        {name: SOURCES[name] for name in ("stepped.c", "quiet.h")},
+        {name: SOURCES[name] for name in ("stepped.c", "quiet.h", "reals_only.h")},
         f"stepped_{variant}_{wrong}",
         include=(HEADERS,),
         flags=(f'-DTINY_GUID="{GUID}"', f"-DVARIANT={variant}", *_WRONG[:wrong]),
