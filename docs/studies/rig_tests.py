@@ -331,17 +331,14 @@ def record_figure(test: str, recording: xarray.Dataset, estimates: Mapping[str, 
     force.set_ylim(0, 150)
     # Above the axes, where no line runs.
     lines = [*inputs.get_lines(), *force.get_lines()]
-    names = [str(line.get_label()) for line in lines]
-    style.legend(inputs, lines, names, loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=4)
+    style.legend(inputs, handles=lines, loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=4)
     measured = rig.measured_adhesion(recording)
     friction.plot(time, truth_of(recording, "pad_friction"), color=palette.BLACK, lw=1.2, ls="--", label="true")
     # The noisiest line looks like a band and is drawn first, below the true value.
     for name, estimate in estimates.items():
-        width = 1.6 if name == "rig-paper" else 0.6
-        adhesion.plot(
-            time, estimate["mean"].sel(state="group_adhesion"), color=_COLOURS[name], lw=width, label=NAMES[name]
-        )
-        friction.plot(time, estimate["mean"].sel(state="pad_friction"), color=_COLOURS[name], lw=0.8, label=NAMES[name])
+        mean, look = estimate["mean"], {"color": _COLOURS[name], "label": NAMES[name]}
+        adhesion.plot(time, mean.sel(state="group_adhesion"), lw=1.6 if name == "rig-paper" else 0.6, **look)
+        friction.plot(time, mean.sel(state="pad_friction"), lw=0.8, **look)
         if name == "rig-paper":
             adhesion.plot(time, measured, color=_LOAD_CELLS, lw=1.4, label="load cells")
     top = 1.35 * float(np.nanmax(measured))

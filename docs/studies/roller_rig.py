@@ -213,18 +213,19 @@ print(picture("roller_rig_slip.png", about, lambda: rig.over_slip_figure(*rig.ru
 
 
 # %%
+FIGURES = {
+    "rmse": ("α rmse", "{:.4f}"), "bias": ("α bias", "{:+.4f}"), "largest": ("α largest", "{:.3f}"),
+    "outside": ("outside events", "{:.4f}"), "longest": ("longest > 0.02", "{:.3f} s"), "kept": ("kept", yes_no),
+    "nees": ("α NEES", "{:.2g}"), "pads_rmse": ("μ rmse", "{:.4f}"), "pads_bias": ("μ bias", "{:+.4f}"),
+    "pads_nees": ("μ NEES", "{:.2g}"), "pads_sd": ("μ sd claimed", "{:.2g}"),
+}  # fmt: skip
+
+
 def errors_of(frame, *first):
-    columns = {
-        "rmse": "α rmse", "bias": "α bias", "largest": "α largest", "outside": "outside events",
-        "longest": "longest > 0.02", "kept": "kept", "nees": "α NEES", "pads_rmse": "μ rmse", "pads_bias": "μ bias",
-        "pads_nees": "μ NEES", "pads_sd": "μ sd claimed",
-    }  # fmt: skip
-    forms = dict.fromkeys(("α rmse", "outside events", "μ rmse"), "{:.4f}")
-    forms |= dict.fromkeys(("α bias", "μ bias"), "{:+.4f}")
-    forms |= dict.fromkeys(("α NEES", "μ NEES", "μ sd claimed"), "{:.2g}")
-    forms |= {"α largest": "{:.3f}", "longest > 0.02": "{:.3f} s", "kept": yes_no, "σ of v": "{:.1e} m/s"}
+    titles = {name: title for name, (title, _) in FIGURES.items()} | {"noise": "σ of v"}
     shown = frame.assign(period=[f"{1e3 * period:g} ms" for period in frame["period"]])
-    return rg.table(shown[[*first, "filter", *columns]].rename(columns=columns | {"noise": "σ of v"}), forms)
+    shown = shown[[*first, "filter", *FIGURES]].rename(columns=titles)
+    return rg.table(shown, dict(FIGURES.values()) | {"σ of v": "{:.1e} m/s"})
 
 
 errors_of(tests, "test")
