@@ -102,9 +102,8 @@ def campaign(
         else:
             show_all([overview_table(overview)])
         _show_result(results, frame, against)
-        for sentence in [] if overview is None else [*caveats_of(overview, results.published), meaning_of(overview)]:
-            say(textwrap.fill(sentence, _SCREEN))
-        for sentence in by_compiler(results.stops):
+        about = [] if overview is None else [*caveats_of(overview, results.published), meaning_of(overview)]
+        for sentence in (*about, *by_compiler(results.stops)):
             say(textwrap.fill(sentence, _SCREEN))
         for sentence in remarks_on(results.stops):
             remark(sentence)

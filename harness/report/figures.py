@@ -188,15 +188,7 @@ def track_figure(along: Mapping[str, Loss]) -> Figure:
 _ELEMENT_COLOURS = (palette.BLUE, palette.ORANGE, palette.GREEN, palette.PURPLE, palette.SKY, palette.VERMILION)
 
 
-_STATE_COLOURS = (
-    palette.BLUE,
-    palette.BLACK,
-    palette.VERMILION,
-    palette.GREEN,
-    palette.ORANGE,
-    palette.PURPLE,
-    palette.SKY,
-)
+_STATE_COLOURS = (palette.BLUE, palette.BLACK, *palette.LINES[1:-1])
 
 
 _DASHES = ("-", "--", ":", "-.")

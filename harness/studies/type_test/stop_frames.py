@@ -172,9 +172,8 @@ STATISTICS: Final = (
 """Names of `statistics_of`."""
 
 BOARD: Final = (
-    "controller", "description", "role", "tuned", "cases", "stops", "compared", "median", "median_interval", "p95",
-    "p95_interval", "worst", "over_bound", "k_wet", "k_wet_low", "k_wet_high", "longest_lock_s", "air", "strokes",
-    "utilisation", "nees_low", "nees", "nees_high", "kept",
+    "controller", "description", "role", "tuned", *STATISTICS, "worst", "k_wet", "k_wet_low", "k_wet_high",
+    "longest_lock_s", "air", "strokes", "utilisation", "nees_low", "nees", "nees_high", "kept",
 )  # fmt: skip
 """Columns of the leaderboard."""
 
