@@ -17,7 +17,7 @@ from wrong import table
 
 from railgrip.base.errors import ScenarioError
 from railgrip.fmus.native.package import archive_bytes, as_fmi_3
-from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.load import load
 from railgrip.simulate.export.c_parts import part_fmu
 from railgrip.simulate.export.controller_and_plant import plant_fmu
 from railgrip.simulate.export.ssp import write_ssp
@@ -53,12 +53,12 @@ def pack(source, path):
     return path
 
 
-def exported(scenario, folder, version=lambda source: source):
+def exported(scenario, folder, version=2):
     """Write the FMUs of a scenario into a folder and return the folder."""
     sources = {"plant": plant_fmu(scenario)}
     sources |= {kind: part_fmu(scenario, kind) for kind in ("track", "sensors", "onboard")}
     for name, source in sources.items():
-        pack(version(source), folder / f"{name}.fmu")
+        pack(as_fmi_3(source) if version == 3 else source, folder / f"{name}.fmu")
     return folder
 
 
@@ -67,40 +67,30 @@ def distance(scenario):
     return float(run_stop(scenario).trace["distance"].values[-1])
 
 
+SERVICE_BRAKE = 'demand.phases=[{pressure="1.2 bar", until={time="4 s"}}, {pressure="2 bar"}]'
+VALVES = ("controller.kind=slip_three_state", "estimator={kind='none'}", "actuation.kind=pneumatic")
+
+
 @pytest.mark.parametrize(
-    "changes",
+    ("changes", "tables", "version"),
     [
-        pytest.param(["vehicle.parameters.A_piston='0.029 m^2'"], id="estimator, weaker brakes"),
-        pytest.param(["controller.kind=slip_three_state", "estimator={kind='none'}", *PNEUMATIC], id="valves"),
+        pytest.param(["vehicle.parameters.A_piston='0.029 m^2'"], {}, 2, id="estimator, weaker brakes"),
+        pytest.param([*VALVES, *PNEUMATIC], {}, 2, id="valves"),
+        pytest.param(["controller.kind=constant_slip", *PNEUMATIC, SERVICE_BRAKE], {}, 2, id="service brake"),
+        # The FMU of the track has the demand for the wire of the train; the valves of the groups are open for it.
         pytest.param(
-            [
-                "controller.kind=constant_slip", *PNEUMATIC,
-                'demand.phases=[{pressure="1.2 bar", until={time="4 s"}}, {pressure="2 bar"}]',
-            ],
-            id="service brake",
+            [*VALVES, SERVICE_BRAKE.replace('"2 bar"', '"full"')],
+            {"vehicle": {"train": "vt642"}},
+            2,
+            id="service brake by wire",
         ),
+        pytest.param(["adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='1.9e-4 m/J'}"], {}, 3, id="cleaned rail, FMI 3"),
     ],
-)  # fmt: skip
-def test_a_stop_in_fmpy_equals_that_of_the_harness(changes, tmp_path):
-    scenario = scenario_with(*changes)
-    assert braking_distance(exported(scenario, tmp_path)) == pytest.approx(distance(scenario), abs=SAME)
-
-
-def test_a_service_brake_by_wire_in_fmpy_equals_that_of_the_harness(tmp_path):
-    """The FMU of the track has the demand for the wire of the train; the valves of the groups are open for it."""
-    changes = (
-        "controller.kind=slip_three_state", "estimator={kind='none'}", "actuation.kind=pneumatic",
-        'demand.phases=[{pressure="1.2 bar", until={time="4 s"}}, {pressure="full"}]',
-    )  # fmt: skip
-    table = scenario_with(*changes).resolved() | {"vehicle": {"train": "vt642"}}
-    scenario = scenario_of(table, directory=LIBRARY, origin="wire")
-    assert braking_distance(exported(scenario, tmp_path)) == pytest.approx(distance(scenario), abs=SAME)
-
-
-def test_a_stop_by_fmi_3_on_a_rail_that_slip_cleans_equals_that_of_the_harness(tmp_path):
-    scenario = scenario_with("adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='1.9e-4 m/J'}")
-    folder = exported(scenario, tmp_path, as_fmi_3)
-    assert read_model_description(str(folder / "onboard.fmu")).fmiVersion == "3.0"
+)
+def test_a_stop_in_fmpy_equals_that_of_the_harness(changes, tables, version, tmp_path):
+    scenario = scenario_with(*changes).replaced(tables)
+    folder = exported(scenario, tmp_path, version)
+    assert read_model_description(str(folder / "onboard.fmu")).fmiVersion == f"{version}.0"
     assert braking_distance(folder) == pytest.approx(distance(scenario), abs=SAME)
 
 
