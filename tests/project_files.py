@@ -33,8 +33,7 @@ def modules() -> tuple[Path, ...]:
     return tuple(ROOT / name for name in project_files() if name.endswith(".py") and name.startswith(PACKAGES))
 
 
-@cache
 def trees() -> dict[Path, tuple[str, ast.Module]]:
-    """Return text and syntax tree of each of these modules."""
+    """Return text and syntax tree of each of these modules: too large to keep for all tests."""
     texts = {path: path.read_text(encoding="utf-8") for path in modules()}
     return {path: (text, ast.parse(text)) for path, text in texts.items()}

@@ -4,7 +4,7 @@ import ast
 import re
 from collections import Counter
 
-from project_files import ROOT, trees
+from project_files import ROOT, modules, trees
 
 
 def test_all_errors_for_users_have_one_base_class():
@@ -12,8 +12,9 @@ def test_all_errors_for_users_have_one_base_class():
     roots = {base / "errors.py", base / "interrupted.py"}  # a signal is not an error
     assert not [
         f"{path}: {node.name}"
-        for path in trees().keys() - roots
-        for node in ast.walk(trees()[path][1])
+        for path, (_, tree) in trees().items()
+        if path not in roots
+        for node in ast.walk(tree)
         if isinstance(node, ast.ClassDef)
         and any(ast.unparse(base).endswith(("Error", "Exception")) for base in node.bases)
     ]
@@ -21,13 +22,13 @@ def test_all_errors_for_users_have_one_base_class():
 
 def test_types_of_arrays_are_defined_once():
     own = re.compile(r"^\w+ = NDArray\[np\.(float64|bool_|intp)\]", re.MULTILINE)
-    defined = {path.relative_to(ROOT).as_posix() for path, (text, _) in trees().items() if own.search(text)}
+    defined = {path.relative_to(ROOT).as_posix() for path in modules() if own.search(path.read_text(encoding="utf-8"))}
     others = ", ".join(sorted(defined - {"harness/base/arrays.py"}))
     assert not others, f"{others}: import Vector, Matrix, Array, Indices or Mask from railgrip.base.arrays instead"
 
 
 def test_modules_are_named_for_their_contents():
-    assert not [path for path in trees() if {"core", "common", "utils"} & {path.stem, path.parent.name}]
+    assert not [path for path in modules() if {"core", "common", "utils"} & {path.stem, path.parent.name}]
 
 
 def test_no_two_modules_of_tests_have_one_name():

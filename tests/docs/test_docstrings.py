@@ -50,11 +50,12 @@ def findings(tree, classes):
 
 def test_a_described_argument_or_attribute_exists():
     """If this fails, correct the name in the docstring, or remove its line."""
-    every = (node for _, tree in trees().values() for node in ast.walk(tree))
+    parsed = trees()
+    every = (node for _, tree in parsed.values() for node in ast.walk(tree))
     classes = {node.name: node for node in every if isinstance(node, ast.ClassDef)}
     wrong = [
         f"{path.relative_to(ROOT)}: {owner} has no '{name}'"
-        for path, (_, tree) in trees().items()
+        for path, (_, tree) in parsed.items()
         for owner, name in findings(tree, classes)
     ]
     assert wrong == []
