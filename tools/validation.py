@@ -177,7 +177,7 @@ def _difference(differences: Sequence[float]) -> str:
         return ""
     low, high = interval
     order = "shorter" if high < 0 else "longer" if low > 0 else "not separated"
-    return text(float(np.median(differences)), "{:+.1f} m") + text(low, " [{:+.1f}, ") + text(high, "{:+.1f}] ") + order
+    return f"{with_interval(float(np.median(differences)), interval, '{:+.1f}', ' m')} {order}"
 
 
 def steps_table(campaign: Campaign) -> ReportTable:

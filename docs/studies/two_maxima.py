@@ -56,13 +56,9 @@ figure
 # formula of the contact and by quadrature of moving point sources:
 
 # %%
-rises = pd.DataFrame(
-    {
-        "Péclet number": PECLETS,
-        "formula": [interpolated_rise(peclet) for peclet in PECLETS],
-        "quadrature": [mean_rise(peclet) for peclet in PECLETS],
-    }
-)
+rises = pd.DataFrame({"Péclet number": PECLETS})
+rises["formula"] = rises["Péclet number"].map(interpolated_rise)
+rises["quadrature"] = rises["Péclet number"].map(mean_rise)
 rises["deviation"] = 100 * (rises["formula"] / rises["quadrature"] - 1)
 forms = {"Péclet number": "{:g}", "formula": "{:.4f}", "quadrature": "{:.4f}", "deviation": "{:+.1f} %"}
 rg.table(rises, forms, left=["Péclet number"])
