@@ -73,7 +73,7 @@ def test_adhesion_passes_its_peak_falls_recovers_and_vanishes(sand):
 
 def test_figures_are_readable(sand, tmp_path):
     """tests/conftest.py checks every saved figure. Time is stretched because the text describes tests up to 110 s."""
-    estimates = {name: estimates_by(name, sand) for name in ("rig_paper", "rig_own")}
+    estimates = {name.replace("_", "-"): estimates_by(name, sand) for name in ("rig_paper", "rig_own")}
     recording, *longer = (one.assign_coords(time=11 * one["time"].values) for one in (sand, *estimates.values()))
     for name, drawing in {
         "slide": rig_tests.record_figure("rig_slide", recording, dict(zip(estimates, longer, strict=True))),

@@ -16,7 +16,7 @@ from validation import (
     tolerances_table,
 )
 
-from railgrip.base.errors import RecordError, ScenarioError
+from railgrip.base.errors import InputError, RecordError, ScenarioError
 from railgrip.base.registry import shelf
 from railgrip.report.baseline import AcceptedValue, Baseline, load_baseline
 from railgrip.report.style import save
@@ -232,5 +232,5 @@ def test_only_the_text_between_the_marks_is_written(tmp_path, campaign, baseline
     path.write_text("no marks\n", encoding="utf-8")
     with pytest.raises(RecordError, match=r"validation\.md: lacks a line that encloses the table"):
         write_tables(path, {"distances": ""})
-    with pytest.raises(RecordError, match="there is no such file"):
+    with pytest.raises(InputError, match="there is no such file"):
         write_tables(tmp_path / "gone.md", {"distances": ""})
