@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from braked import dry
 from small_train import COUPLED, dynamic_brake, halved, with_constant_friction
+from synthetic import MOTOR
 
 from railgrip.base.errors import ScenarioError
 from railgrip.rolling_stock.check import findings
@@ -117,12 +118,6 @@ def test_an_exhausted_reservoir_limits_the_cylinders(cycled):
     assert pressure[last] == pytest.approx(reservoir[last], rel=0.05)
 
 
-DYNAMIC = {
-    "kind": "electrodynamic", "force": "10 kN", "power": "300 kW", "speed_full": "10 km/h", "speed_end": "5 km/h",
-    "time_constant": "0.3 s", "blending": "valve", "slide_limit": 0.1, "estimated": True,
-}  # fmt: skip
-
-
 def test_dynamic_brakes_take_their_part_of_half_a_brake(tmp_path):
     """Friction brakes give way to as much force: the stop is as long as without dynamic brakes.
 
@@ -133,7 +128,7 @@ def test_dynamic_brakes_take_their_part_of_half_a_brake(tmp_path):
     plain.write_text(text, encoding="utf-8")
     driven = tmp_path / "driven_train.toml"
     text = text.replace("plain_train", "driven_train")
-    text = text.replace("[resistance]", f"{dynamic_brake('motor', DYNAMIC)}\n[resistance]", 1)
+    text = text.replace("[resistance]", f"{dynamic_brake('motor', MOTOR)}\n[resistance]", 1)
     driven.write_text(text.replace("wheel_radius", 'dynamic_brake = "motor"\nwheel_radius', 1), encoding="utf-8")
     stops = [stop_of(file, [0.5 * FULL]) for file in (plain, driven)]
     half = np.searchsorted(stops[0]["time"].values, 8.0)
