@@ -91,14 +91,6 @@ def test_too_few_draws_have_no_intervals_and_the_first_sentence_says_so(commuter
     assert any("[" in cell for cell in cells) == has_interval
 
 
-def test_shorter_stops_never_have_a_longer_headway(commuter, brake):
-    longer = draws_of(4)
-    shares = np.random.default_rng(2).uniform(0.7, 1.0, longer.shape)
-    chain = chain_with(commuter, brake, [longer, DRY + shares * (longer - DRY)])
-    assert np.all(chain.factors[1] >= chain.factors[0])
-    assert np.all(chain.seconds[:, 1] <= chain.seconds[:, 0] + 1e-9)
-
-
 def test_k_wet_is_that_of_mean_distances_on_rails_that_are_not_dry(brake):
     line = load_study_line(Path("leaves"))
     stops = draws_of(2)[1:]

@@ -69,24 +69,6 @@ def test_a_nominal_emergency_stop_on_the_curves_is_the_stop_by_hand():
     assert 0 < float(curve.location(0.0)) - by_hand(train, speed).distance < 2.5
 
 
-@pytest.mark.parametrize("name", ["vt642", "tram"])
-def test_one_dispersion_alone_has_its_closed_form(name):
-    """K = 1 − 5 % z(P) F/(F + R): of the whole force, the share of the friction brakes F varies."""
-    brake = brake_of(name, dispersion("pad_friction"), speeds=(10.0, 9.999, 0.0))
-    train = load_train(Path(name))
-    result = k_factors(brake, failures(), seed=1, runs=4, samples=4000)
-    wheels = [train.bogies_in_train[axle.bogie].data.wheel_radius for axle in train.axles]
-    inert = train.mass + sum(axle.inertia / wheel**2 for axle, wheel in zip(train.axles, wheels, strict=True))
-    whole = inert * brake.nominal[1]
-    share = 1 - brake.ratios([0] * len(brake.units), np.zeros((1, 1)))[0, 1]  # without units the rest remains
-    assert share * whole > 0
-    for level in (1, 3, 6, 9):
-        expected = 1 + 0.05 * norm.ppf(PROBABILITIES[level]) * share
-        assert result.k[1][level].value == pytest.approx(expected, abs=1e-3)
-    if name == "vt642":
-        assert result.k[1][9].value == pytest.approx(0.704, abs=2e-3)
-
-
 def test_isolated_units_alone_are_two_binomial_numbers():
     """All combinations of lost units of both kinds; a dispersion of 1e-5 that a K cannot show."""
     brake = brake_of("emu387", dispersion("mass", deviation="0.001 %"), speeds=(10.0, 0.0))

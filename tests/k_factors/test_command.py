@@ -2,7 +2,6 @@
 
 import json
 import random
-from pathlib import Path
 
 import pytest
 from command_line import exit_code
@@ -90,9 +89,3 @@ def test_stops_require_their_table(tmp_path, command):
     study.write_text(text.replace("[loop]\nprobability = 0.01\nruns = 4\nsamples = 50\n", ""), "utf-8")
     refused = command("study", "k_factors", study, "--loop", "--out", tmp_path / "out")
     assert (refused.code, "has no [loop]" in refused.err) == (2, True)
-
-
-def test_every_value_of_the_library_has_a_source():
-    text = (LIBRARY / "vt642.toml").read_text(encoding="utf-8")
-    assert text.count("source = ") == text.count("[[dispersion]]") + text.count("[failures.")
-    assert Path(LIBRARY / "vt642_dry.toml").is_file()

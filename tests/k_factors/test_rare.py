@@ -1,7 +1,5 @@
 """Small quantiles compared with closed forms, with all combinations, and with their own intervals."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -185,19 +183,6 @@ def test_the_quantile_of_a_mixture_is_between_those_of_its_parts(first, second, 
     assert min(low.values[0], high.values[0]) <= result
     # rounding of the sums of weights may shift it to the next value
     assert result <= min([v for v in [*first, *second] if v > quantiles[1]], default=quantiles[1])
-
-
-@pytest.mark.usefixtures("few_rates")
-def test_k_falls_with_the_confidence_level():
-    for output in quasi_static(specification(), LinearBrake()).k:
-        assert all(after.value < before.value for before, after in pairwise(output))
-
-
-@pytest.mark.usefixtures("few_rates")
-def test_k_depends_on_the_seed_alone():
-    first, again, other = (quasi_static(specification(seed=seed), LinearBrake()).k for seed in (5, 5, 6))
-    assert first == again
-    assert first != other
 
 
 def test_a_quantile_as_small_as_the_omitted_probability_is_refused():

@@ -121,17 +121,6 @@ def falling_rail(share, at=0.55):
     return np.where(np.arange(1600) * 1e-3 < at, 0.1, 0.1 * share)
 
 
-def test_a_fall_of_friction_breaks_a_bound_that_leaves_it_out():
-    """With the friction of the present sample alone, as in the proof of the paper, the bound is wrong."""
-    contact = contact_of(0.6, 0.2)
-    trace = slide(contact, 15.0, falling_rail(0.5), 0.02)
-    first = int(np.argmax(trace["command"].values[:, 0] < 0) / (STRIDE / 1e-3)) + 1
-    constant = trace.assign(mu0=(("time", "wheelset"), np.full((1600, 1), 0.1)))
-    with_fall, without = (certificate_of(each, contact).isel(group=0) for each in (trace, constant))
-    reached = float(with_fall["slip_reached"][first])
-    assert float(without["slip_bound"][first]) < reached <= float(with_fall["slip_bound"][first])
-
-
 @settings(max_examples=6, deadline=None)
 @given(
     share=st.floats(0.1, 0.4),

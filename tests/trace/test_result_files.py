@@ -1,7 +1,6 @@
 """Results are complete, exact and reproducible to the byte; foreign files are refused in a sentence."""
 
 import json
-import time
 
 import numpy as np
 import pytest
@@ -52,14 +51,6 @@ def test_thinning_keeps_the_grid_and_the_last_sample():
     trace = thin(uniform_stop(period=0.01), 7)
     assert trace["time"].values[:3] == pytest.approx([0, 0.07, 0.14])
     assert trace["speed"].values[-1] == pytest.approx(0.0)
-
-
-def test_the_same_stop_gives_the_same_bytes(stop, tmp_path):
-    write_stop(stop, tmp_path / "one")
-    time.sleep(1.1)  # HDF5 time stamps have a resolution of a second
-    write_stop(stop, tmp_path / "other")
-    for name in ("stop.json", "trace.nc"):
-        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "other" / name).read_bytes()
 
 
 def test_the_trace_has_scenario_and_versions_as_cf_attributes(stop, tmp_path):
