@@ -98,6 +98,13 @@ def read_description(path: Path) -> bytes:
         return archive.read(_entry_of_description(archive))
 
 
+def read_sources(path: Path) -> dict[str, str]:
+    """Return the C files in the folder `sources` of an archive, file name → text."""
+    with zipfile.ZipFile(path) as archive:
+        names = [name for name in archive.namelist() if name.startswith("sources/") and name.endswith((".c", ".h"))]
+        return {name.removeprefix("sources/"): archive.read(name).decode() for name in names}
+
+
 def _entry_of_description(archive: zipfile.ZipFile) -> zipfile.ZipInfo:
     return next((e for e in archive.infolist() if _plain(e) == DESCRIPTION), None) or archive.getinfo(DESCRIPTION)
 

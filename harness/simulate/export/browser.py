@@ -3,7 +3,6 @@
 import base64
 import json
 import re
-import zipfile
 import zlib
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
@@ -26,6 +25,7 @@ from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmi import CoSimulation
+from railgrip.fmi.archive import read_sources
 from railgrip.fmus.native.discrete import MemoryImage, align_pointers, memory_image
 from railgrip.fmus.native.package import HEADERS
 from railgrip.fmus.native.toolchain import WEB, binary
@@ -234,8 +234,7 @@ def _require_c(scenario: Scenario, parts: Parts) -> tuple[CoSimulation, Sampled]
 
 def _sources_of(plant: CoSimulation) -> dict[str, str]:
     """Return the C code in the plant's FMU, names prefixed by `plant_`; empty if this project did not write it."""
-    with zipfile.ZipFile(plant.setup[0].file) as archive:
-        files = {name[8:]: archive.read(name).decode() for name in archive.namelist() if name.startswith("sources/")}
+    files = read_sources(plant.setup[0].file)
     if "advance.c" not in files or "elimination.c" in files:
         return {}
     include = re.compile(rf'#include "({"|".join(map(re.escape, files))})"')

@@ -6,7 +6,6 @@ signs of a foreign plant.
 
 import re
 import xml.etree.ElementTree as ET
-import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
@@ -18,6 +17,7 @@ from railgrip.base.names import ElementName
 from railgrip.base.system import SampledSystem, Variable
 from railgrip.controllers.sampled import Sampled
 from railgrip.fmi import Binding
+from railgrip.fmi.archive import read_description, read_sources
 from railgrip.fmus.native.c_source import number
 from railgrip.fmus.native.discrete import WrittenStep, sources
 from railgrip.fmus.native.package import Source
@@ -226,9 +226,6 @@ def _written(step: WrittenStep, into: Sequence[float], out: Sequence[float]) -> 
     return replace(step, text="\n".join(text))
 
 
-_MODEL = "sources/model.c"
-
-
 def plant_fmu(scenario: Scenario) -> Source:
     """Return C code and modelDescription.xml of the plant, with the parameters of the stop as start values.
 
@@ -243,11 +240,8 @@ def plant_fmu(scenario: Scenario) -> Source:
             f"{scenario.name}: the plant {file.name} is not compiled from Modelica here and cannot be exported with "
             "other parameters; use it as it is and set them there"
         )
-    with zipfile.ZipFile(file) as archive:
-        xml = archive.read("modelDescription.xml").decode()
-        names = [name for name in archive.namelist() if name.startswith("sources/") and name.endswith((".c", ".h"))]
-        files = {name.removeprefix("sources/"): archive.read(name).decode() for name in names}
-    if _MODEL not in names:
+    xml, files = read_description(file).decode(), read_sources(file)
+    if "model.c" not in files:
         raise ScenarioError(
             f"{scenario.name}: the plant {file.name} was compiled by OpenModelica, which leaves out the C code; "
             "`railgrip build --compiler native` compiles it with the built-in compiler"
