@@ -152,6 +152,7 @@ def test_the_parts_that_the_broken_ones_extend_are_accepted(check, part):
         (check_sensors, Exact, {"read": lambda self, time, truth: {}}, "no reading at all"),
         (check_sensors, Exact, {"read": lambda self, time, truth: {"speed": np.random.rand()}}, "something else after"),
         (check_sensors, Exact, {"read": lambda self, time, truth: {"speed": np.ones(2)}}, r"shape \(2,\)"),
+        (check_estimator, Reckoned, {"provides": "adhesion"}, "`provides` is 'adhesion'"),
     ],
 )  # fmt: skip
 def test_a_broken_part_is_reported(check, part, changed, words):
