@@ -160,6 +160,17 @@ def test_the_key_decimal_determines_the_meaning_of_a_comma(tmp_path):
             read(decimal)
 
 
+def test_the_key_separator_divides_lines_by_a_mark_that_is_not_looked_for(tmp_path):
+    changes = {"time": {"column": "t", "unit": "s"}, "period": 1.0, "longest_gap": 1.5}
+    columns = {"pad_force": {"column": "F", "unit": "kN"}}
+    path = csv_of(tmp_path, "t:F\n0:50,5\n1:48,5\n")
+    of_file = table(columns, separator=":", decimal=",", **changes)
+    found = read_recording(path, of_file, {"pad_force": "N"}, ["pad_force"], [])
+    assert reading_of(found.recording, "pad_force").tolist() == [50.5e3, 48.5e3]
+    with pytest.raises(EstimationError):
+        read_recording(path, table(columns, **changes), {"pad_force": "N"}, ["pad_force"], [])
+
+
 def test_tables_of_a_scenario_refuse_thousands_separators(tmp_path):
     """Friction, demand and track are read by the same function."""
     path = tmp_path / "rail.csv"
