@@ -90,6 +90,13 @@ def test_a_short_run_finds_a_wrong_map_or_radius(
     assert not Path("out/stop.json").exists()
 
 
+def test_a_wrong_plant_in_a_process_of_its_own_is_found_before_the_stop(railgrip: Railgrip, foundry: Path):
+    """Both runs of the trial, on a good rail and on a poor one, start the process anew."""
+    result = railgrip(faulty_fmu(foundry, defined=("GRIP=1e9",)), trust=False)
+    assert result.refuses("'mu0' does not bound the brakes: they slow the train by 1.08 m/s2 with friction of 0.4")
+    assert not Path("out/stop.json").exists()
+
+
 def test_a_draft_of_the_map_is_printed_with_the_results_of_a_short_run(foundry: Path, command: Railgrip):
     theirs = {"speed": "velocity", "distance": "odometer", "acceleration": "retardation", "start_speed": "v0"}
     theirs |= {f"pressure_command[{i}]": f"demand[{i}]" for i in range(1, 5)}
