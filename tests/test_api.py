@@ -321,6 +321,24 @@ def test_a_plant_in_python_brakes_according_to_its_equation(scenario, tmp_path):
     assert "TwoPartTrain.fmu" not in content["fmus"]
 
 
+@pytest.mark.parametrize(("factor", "outcome"), [(1.0, "standstill"), (1.1, "implausible")])
+def test_a_plant_in_python_with_more_friction_than_the_rail_has_is_implausible(scenario, factor, outcome):
+    """The trial on two rails does not find it, because friction has an effect; 10 % exceed the resistance."""
+
+    class Grippy(rolling()):
+        def step(self, inputs):
+            return super().step(inputs | {"mu0": factor * inputs["mu0"]})
+
+    poor = scenario.changed(
+        {"controller.kind": "full_brake", "limits.horizon": "30 s", "estimator": {"kind": "none"},
+         "adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.1},
+         "periods": dict.fromkeys(("communication", "estimator", "controller", "trace"), "10 ms")}
+    )  # fmt: skip
+    stop = rg.run(poor, plant=Grippy)
+    assert stop.outcome.value == outcome
+    assert np.isnan(stop.metrics.distance) == (outcome == "implausible")
+
+
 def test_a_plant_may_be_named_and_have_a_separate_formation(scenario, tmp_path):
     (tmp_path / "my_train.py").write_text(f"import numpy as np\n\n{SOURCE_OF_ROLLING}")
     changes = {
