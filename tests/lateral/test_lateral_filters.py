@@ -51,6 +51,17 @@ def test_the_reconstruction_equals_a_second_program_of_its_equations():
         assert model.output(x, inputs) == pytest.approx([ddy, x[1]], rel=1e-11)
 
 
+@pytest.mark.parametrize(
+    ("condition", "added"), [(DRY, [5e-14, 1e-14, 1e-14, 1e-14, 1e-14]), (WORST, [1e-13, 9e-17, 1e-12, 1e-12, 1e-12])]
+)
+def test_a_step_of_the_reconstruction_adds_the_noise_of_the_paper(condition, added):
+    """Equations (38) to (40), for a step of 50 µs; from a state with hardly any variance, and without readings."""
+    filter_, first = observer("reconstruction", condition)
+    inputs = np.array([{"speed": 25.0, "mu0": condition.mu0}.get(name, 0.0) for name in filter_.design.inputs])
+    after = filter_.step(filter_.start(first.mean, np.full(5, 1e-40)), inputs, np.full(2, np.nan))
+    assert np.diag(after.covariance) == pytest.approx(added, rel=1e-9)
+
+
 def test_order_1_is_forward_euler_in_both_filters():
     arguments = (prediction("known_track"), np.full(5, 1e-6), READING_NOISE, PERIOD)
     plain = ExtendedKalmanFilter(*arguments, order=1)
