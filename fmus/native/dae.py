@@ -237,17 +237,21 @@ def read(
             further = folder if used.texts else None
             if not is_trusted(path):
                 # The diagnosis of an error takes longer than the translation, and may not be necessary.
-                with suppress(InputError):
-                    return _read(class_name, own, further, complete=complete, is_diagnosed=False)
                 original = own, further
-                own, further = _rewrite(*original, folder)
                 try:
-                    return _read(class_name, own, further, complete=complete, is_diagnosed=False)
+                    return _read(class_name, *original, complete=complete, is_diagnosed=False)
                 except InputError as error:
-                    if "`empty array`" in str(error):
-                        with suppress(InputError):
-                            copy = _rewrite(*original, folder, has_empty_ranges=True)
-                            return _read(class_name, *copy, complete=complete, is_diagnosed=False)
+                    problem = str(error)
+                own, further = _rewrite(*original, folder)
+                if (own, further) != original:
+                    try:
+                        return _read(class_name, own, further, complete=complete, is_diagnosed=False)
+                    except InputError as error:
+                        problem = str(error)
+                if "`empty array`" in problem:
+                    with suppress(InputError):
+                        copy = _rewrite(*original, folder, has_empty_ranges=True)
+                        return _read(class_name, *copy, complete=complete, is_diagnosed=False)
             return _read(class_name, own, further, complete=complete)
         except InputError as error:
             # The user does not know the copies.

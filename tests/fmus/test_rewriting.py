@@ -1,11 +1,14 @@
 """Forms that the front end does not read are rewritten with the same meaning, or refused (chapters 7, 8, 10 and 11)."""
 
 import random
+from contextlib import suppress
 
 import casadi as ca
 import pytest
 from sampling import sample
 
+from railgrip.base.errors import InputError
+from railgrip.fmus.native import dae
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.equations import model_of
 from railgrip.fmus.native.rewriting import rewrite
@@ -123,3 +126,25 @@ def test_texts_that_the_front_end_reads_are_not_changed():
         "end M;\n"
     )
     assert rewrite({"M": text}) == {}
+
+
+def test_a_class_is_read_as_often_as_its_text_differs(written, monkeypatch):
+    """It is read once as it is and once for each way to rewrite it; an error is diagnosed in a further reading."""
+    read_once, paths = dae._read, []
+
+    def count(name, path, *more, **options):
+        paths.append(path)
+        return read_once(name, path, *more, **options)
+
+    monkeypatch.setattr(dae, "_read", count)
+    empty = "parameter Integer n = 0; Real x[n]; Real y; equation for k in 1:n loop x[k] = 1; end for; y = "
+    for body, times in (
+        ("Real y = unknown;", 2),
+        ("Real y = unknown; A a(b.c = 1);", 3),
+        (f"{empty}sum(x[k] for k in 1:n);", 2),
+        (f"{empty}{{sum(x[k] for k in 1:n), 1}};", 3),
+    ):
+        paths.clear()
+        with suppress(InputError):
+            read("M", written(model(body)))
+        assert len(paths) == times, body
