@@ -56,7 +56,7 @@ class FormulaBuilder:
             draft.keep(state, value)
         return draft, ca.vertsplit(outputs)
 
-    def symbols(self, kind: Literal["input", "parameter"]) -> dict[str, Expression]:
+    def symbols(self, kind: Literal["state", "input", "parameter"]) -> dict[str, Expression]:
         """Return the symbols of a kind by name."""
         return {symbol.name(): symbol for symbol in self._expressions[kind]}
 

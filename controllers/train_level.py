@@ -96,7 +96,7 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
         missing, available = missing + gain * (request - grant), available + gain * reserve
         granted.append(grant)
         reserves.append(reserve)
-    last = draft.state("missing", "N", "force that groups cannot give, filtered")
+    last = _add_state(draft, "missing", "N", "force that groups cannot give, filtered")
     filtered = last + period / (T_REDISTRIBUTION + period) * (missing - last)
     draft.keep(last, filtered)
     share = choose(filtered < available, filtered / choose(available > 0.0, available, 1.0), 1.0)
@@ -113,12 +113,20 @@ def with_release_limit(law: Law, groups: Sequence[Brake], *, period: float, rele
     draft, demands = FormulaBuilder.reopen(law.formula)
     inputs, results = draft.symbols("input"), list[Expression]()
     for g, demand in enumerate(demands, start=1):
-        time = draft.state(f"release_time[{g}]", "s", "since the begin of a release")
+        time = _add_state(draft, f"release_time[{g}]", "s", "since the begin of a release")
         request = inputs[f"driver_demand[{g}]"]
         is_released = demand < RELEASED * request
         results.append(choose(every(time >= release_max, demand < request), request, demand))
         draft.keep(time, time_release(time, is_released, period=period, longest=release_max, applied=T_APPLIED))
     return _law(law, groups, draft, results)
+
+
+def _add_state(draft: FormulaBuilder, name: str, unit: str, description: str) -> Expression:
+    # A user's law may have a state of the same name.
+    names = draft.symbols("state")
+    while name in names:
+        name = f"_{name}"
+    return draft.state(name, unit, description)
 
 
 def _lower(this: Expression, other: Expression) -> Expression:

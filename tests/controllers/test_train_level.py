@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import synthetic
 
-from railgrip.controllers.law import Law
+from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.laws.recursive_slope import RecursiveSlope
 from railgrip.controllers.laws.slip_two_state import SlipLevels, SlipTwoState
 from railgrip.controllers.observation import Observation
@@ -126,3 +126,25 @@ def test_a_law_starts_with_the_states_of_its_parameters(over):
     law = RecursiveSlope(GROUPS, RecursiveSlope.load_tuning("pneumatic", "estimated", period=10e-3))
     assert np.any(law.state != [state.start for state in law.formula.states])
     assert over(law).state[: law.state.size] == pytest.approx(law.state)
+
+
+class _Timed(GroupLaw):
+    """A law whose states have the names of those that are added to it."""
+
+    description = "Brakes as demanded"
+
+    @classmethod
+    def demand(cls, draft, tuning, group):
+        for name in (group.label("release_time"), *(["missing"] if group.index == 1 else [])):
+            draft.keep(draft.state(name, "1", "of the law"), 7.0)
+        return group.driver_demand
+
+
+def test_states_of_a_law_may_have_the_names_of_those_that_are_added():
+    law: Law = _Timed(GROUPS, _Timed.tuning_with(period=1e-3))
+    law = with_redistribution(law, GROUPS, period=1e-3, adhesion_max=0.3)
+    law = with_release_limit(law, GROUPS, period=1e-3, release_max=2.0)
+    law.decide(observed((0.01, 0.01, 0.01), 1.0))
+    states = dict(zip((state.name for state in law.formula.states), law.state, strict=True))
+    assert [states[name] for name in ("missing", "release_time[1]", "release_time[3]")] == [7.0] * 3
+    assert {"_missing", "_release_time[1]", "_release_time[3]"} <= states.keys()
