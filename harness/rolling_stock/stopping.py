@@ -43,7 +43,7 @@ class HandCalculation:
         coupler_force: Maximum force in each coupler, compression positive, shape (cars - 1,) [N].
         car_force: Brake force on each car in the middle of each step, shape (steps, cars) [N].
         car_mass: Mass of each car with its rotating parts, shape (cars,) [kg].
-        dynamic_energy: Energy that electrodynamic and eddy-current brakes take [J].
+        dynamic_work: Work of electrodynamic and eddy-current brakes [J].
     """
 
     distance: float
@@ -55,7 +55,7 @@ class HandCalculation:
     coupler_force: Vector
     car_force: Vector
     car_mass: Vector
-    dynamic_energy: float
+    dynamic_work: float
 
 
 def by_hand(train: Train, speed: float, *, dynamic: bool = True) -> HandCalculation:
@@ -138,7 +138,7 @@ def _stop(train: Train, speed: float, *, developed: bool, dynamic: bool) -> Hand
         coupler_force=joints,
         car_force=car_force,
         car_mass=car_mass,
-        dynamic_energy=float(taken),
+        dynamic_work=float(taken),
     )
 
 

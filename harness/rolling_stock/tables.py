@@ -101,7 +101,7 @@ def plain_stop(speed: float, stop: HandCalculation) -> dict[str, float]:
         "equivalent_time": stop.equivalent_time,
         "rotating_mass": float(stop.rotating_mass),
         "adhesion_max": float(stop.adhesion.max()),
-        "dynamic_work": stop.dynamic_energy,
+        "dynamic_work": stop.dynamic_work,
     }
 
 

@@ -65,8 +65,8 @@ def test_a_blended_stop_has_the_deceleration_of_the_friction_brake(electric, ble
     assert with_it.equivalent_time == pytest.approx(without.equivalent_time, rel=1e-6)
     mean = mean_stop(train, SPEED)
     assert mean.distance_without_dynamic == pytest.approx(mean.distance, rel=1e-12)
-    assert without.dynamic_energy == 0
-    assert with_it.dynamic_energy > 10e6
+    assert without.dynamic_work == 0
+    assert with_it.dynamic_work > 10e6
 
 
 def test_the_energies_of_both_brakes_are_the_integrals_of_their_forces(electric):
@@ -105,9 +105,9 @@ def test_the_work_by_time_steps_is_the_integral_of_the_force_over_the_distance(e
     stop, mean = by_hand(train, SPEED), mean_stop(train, SPEED)
     speed = SPEED - impulse / (train.mass + stop.rotating_mass)
     work = np.trapezoid(electric_force * share * np.maximum(speed, 0), time)
-    assert stop.dynamic_energy == pytest.approx(work, rel=1e-3)
+    assert stop.dynamic_work == pytest.approx(work, rel=1e-3)
     assert mean.energy_dynamic.sum() == pytest.approx(1.023 * work, rel=1e-3)
-    assert plain_stop(SPEED, stop)["dynamic_work"] == stop.dynamic_energy
+    assert plain_stop(SPEED, stop)["dynamic_work"] == stop.dynamic_work
 
 
 def test_across_the_train_trailers_are_relieved_too(electric):

@@ -60,7 +60,7 @@ def test_a_dry_stop_has_the_distance_and_energies_of_the_hand_calculation(driven
     assert stop.outcome is Outcome.STANDSTILL, stop.reason
     assert stop.metrics.distance == pytest.approx(hand.distance, rel=5e-3)
     trace = stop.trace
-    assert float(trace["dynamic_work"][-1]) == pytest.approx(hand.dynamic_energy, rel=1e-2)
+    assert float(trace["dynamic_work"][-1]) == pytest.approx(hand.dynamic_work, rel=1e-2)
     taken = sum(float(trace[name][-1]) for name in ("contact_heat", "pad_heat", "resistance_work"))
     assert taken == pytest.approx(float(trace["kinetic_energy"][0]), rel=2e-3)
     assert stop.metrics.utilisation < 1.005
@@ -93,7 +93,7 @@ def test_the_ideal_bound_has_the_dynamic_brakes(driven):
 def test_valves_relieve_the_cylinders_too(driven):
     stop, hand = run_stop(scenario(driven, actuation={"kind": "pneumatic"})), by_hand(load_train(driven), SPEED)
     assert -0.01 * hand.distance < stop.metrics.distance - hand.distance < 0.01 * hand.distance + 0.45 * SPEED
-    assert float(stop.trace["dynamic_work"][-1]) == pytest.approx(hand.dynamic_energy, rel=0.05)
+    assert float(stop.trace["dynamic_work"][-1]) == pytest.approx(hand.dynamic_work, rel=0.05)
 
 
 def test_an_estimator_that_does_not_know_the_dynamic_brakes_is_refused(driven):
