@@ -266,13 +266,14 @@ def _without_other_files(path: Path, folder: Path) -> Path:
     if set(path.parent.rglob("*.mo")) <= set(files):
         return path
     for file in files:
-        copy = folder / _COPY / file.relative_to(path.parents[1])
+        copy = folder / _ORIGINALS / file.relative_to(path.parents[1])
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_bytes(read_bytes(file))
-    return folder / _COPY / path.relative_to(path.parents[1])
+    return folder / _ORIGINALS / path.relative_to(path.parents[1])
 
 
-_COPIES = "rewritten"
+_COPIES = "rewritten-texts"  # not the name of a library
+_ORIGINALS = f"{_COPIES}/originals"
 _COPY = f"{_COPIES}/libraries"
 _COPY_OF_FILE = f"{_COPIES}/file"
 
@@ -306,7 +307,7 @@ def _rewrite(
 
 def _without_folder(message: str, folder: Path) -> str:
     shown = re.sub(rf"(?:{re.escape(str(folder.parent))}/)?{re.escape(folder.name)}/", "", message)
-    return shown.replace(f"{_COPY}/", "").replace(f"{_COPY_OF_FILE}/", "")
+    return re.sub(rf"{_COPIES}/[\w-]+/", "", shown)
 
 
 def _read(class_name: str, path: Path, further: Path | None, *, complete: bool, is_diagnosed: bool = True) -> Dae:

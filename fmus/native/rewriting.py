@@ -914,7 +914,10 @@ def _value_of_its_type(scope: _Scope, tokens: Sequence[_Token], words: Set[str])
 def _range_of(scope: _Scope, tokens: Sequence[_Token]) -> tuple[str, list[str], str]:
     # The name of an iterator, the limits of its range, and the size of that. The front end does not evaluate the size
     # of an array there, but that in its declaration.
-    (name, range_), *others = _iterators(tokens)
+    iterators = _iterators(tokens)
+    if len(iterators) != 1:
+        raise RewritingError
+    ((name, range_),) = iterators
     text = " ".join(token.text for token in range_)
 
     def declared(match: re.Match[str]) -> str:
@@ -924,6 +927,6 @@ def _range_of(scope: _Scope, tokens: Sequence[_Token]) -> tuple[str, list[str], 
 
     text = re.sub(r"\bsize \( (\w+) , (\d) \)", declared, text)
     limits = [" ".join(token.text for token in part) for part in _split(_tokens(text), ":")]
-    if others or len(limits) not in (2, 3) or "for" in [token.text for token in range_]:
+    if len(limits) not in (2, 3) or "for" in [token.text for token in range_]:
         raise RewritingError
     return name, limits, f"size({text}, 1)"
