@@ -539,10 +539,11 @@ def metrics_table(metrics: Metrics) -> ReportTable:
     return ReportTable.of(("figure", "value", "unit", "meaning"), rows, left=4)
 
 
-def value_text(value: object) -> str:
-    """Return a number, or comma-separated numbers, with four digits; a dash for None and NaN."""
+def value_text(value: object, digits: int = 4) -> str:
+    """Return a number, or comma-separated numbers, with some digits; a dash for None and NaN."""
     if isinstance(value, tuple):
-        return ", ".join(f"({value_text(part)})" if isinstance(part, tuple) else value_text(part) for part in value)
+        texts = [value_text(part, digits) for part in value]
+        return ", ".join(f"({t})" if isinstance(part, tuple) else t for part, t in zip(value, texts, strict=True))
     if value is None or (isinstance(value, float) and isnan(value)):
         return "–"
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)

@@ -88,7 +88,7 @@ def _answer(curves: BrakingCurves) -> str:
 
 def _given(curves: BrakingCurves) -> ReportTable:
     rows = [
-        {"national value": name, "value": value_text(yes_no(value) if isinstance(value, bool) else value)}
+        {"national value": name, "value": value_text(yes_no(value) if isinstance(value, bool) else value, digits=6)}
         for name, value in curves.case.national.model_dump().items()
     ]
     return ReportTable(rows, left=("national value", "value"))
