@@ -192,7 +192,7 @@ def _modules(folders: tuple[str, ...]) -> tuple[str, ...]:
 @cache
 def _files(folders: tuple[str, ...]) -> dict[str, Path]:
     paths = (path for folder in folders for path in sorted(Path(folder).glob("*.toml")))
-    return {path.stem: path for path in paths if all(map(str.isidentifier, path.stem.split(".")))}
+    return {path.stem: path for path in paths if re.fullmatch(r"[\w.-]+", path.stem)}
 
 
 def _classes(module: str, base: type[_Part]) -> list[type[_Part]]:
