@@ -42,6 +42,14 @@ def test_each_limit_is_reported_in_a_sentence_that_names_it(
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the largest size is read from /proc")
+def test_a_description_beyond_its_limit_is_refused(tmp_path: Path):
+    file = tmp_path / "large.fmu"
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        archive.writestr("modelDescription.xml", b" " * (33 * MIB))
+    with pytest.raises(FmuError, match=r"modelDescription\.xml has 33 MiB, allowed are 32; raise description_mib"):
+        describe(file)
+
+
 def test_a_description_of_two_gibibytes_takes_no_memory(tmp_path: Path):
     file = tmp_path / "bomb.fmu"
     with (
