@@ -32,6 +32,9 @@ COMBINATIONS = EVERY if ALL else sample()
 FAULTS_OF_OPENMODELICA = {
     "8 a linear system whose matrix varies": "tearing divides by an entry of the matrix that is 0 at the start",
     "first result of several | equation the other way round": "several results on the left-hand side of an equation",
+    "10.3.4 extremes of an iterator without values": "a 2048th of the largest and the smallest Real",
+    "10.5 an assignment at an index that changes": "nothing is assigned at an index that a function computes",
+    "11.2.1 elements of an array": "elements of an array that an algorithm assigns at computed indices",
     "semiLinear | constant": "semiLinear in a constant",
     "homotopy | constant": "homotopy in a constant",
     **dict.fromkeys(

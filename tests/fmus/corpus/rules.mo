@@ -1269,6 +1269,8 @@ model M Real y = max(abs(i - 4) for i in {3, 9, 4}); end M;
 // 10.3.4 a reduction in a for equation; x[1] = 3*t; x[2] = 6*t
 model M Real v[2] = {1, 2}*time; Real x[2]; equation for k loop x[k] = k*sum(v[i] for i); end for; end M;
 
-// 10.3.4 reductions over an iterator without values; s = 0; p = 1; a = np.finfo(float).max; b = np.finfo(float).min; tolerance = 0
-model M parameter Integer n = 0; Real s = sum(1.0 + i for i in 1:n); Real p = product(1.0 + i for i in 1:n);
-Real a = min(1.0 + i for i in 1:n); Real b = max(1.0 + i for i in 1:n); end M;
+// 10.3.4 reductions over an iterator without values; s = 0; p = 1
+model M parameter Integer n = 0; Real s = sum(1.0 + i for i in 1:n); Real p = product(1.0 + i for i in 1:n); end M;
+
+// 10.3.4 extremes of an iterator without values; a = np.finfo(float).max; b = np.finfo(float).min; tolerance = 0
+model M parameter Integer n = 0; Real a = min(1.0 + i for i in 1:n); Real b = max(1.0 + i for i in 1:n); end M;
