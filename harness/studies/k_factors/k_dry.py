@@ -7,6 +7,7 @@ parameters are those of the plant `TwoPartTrainPneumatic`, whose pads and discs 
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -18,7 +19,7 @@ from pydantic import Field, StrictInt
 
 from railgrip.base.arrays import generator
 from railgrip.base.errors import ScenarioError
-from railgrip.base.tables import JsonObject, TomlTable
+from railgrip.base.tables import TomlTable
 from railgrip.campaign.work import Work
 from railgrip.estimators.belief import Array
 from railgrip.rolling_stock.check import checked_train
@@ -307,20 +308,11 @@ def scenario_of_draw(
     return scenario.model_copy(update={"vehicle": vehicle})
 
 
-def in_the_loop(
-    specification: KFactorSpecification,
-    scenario: Scenario,
-    brake: QuasiStaticBrake,
-    nominal_distance: float,
-    quasi_static: QuasiStatic,
-    work: Work,
-    import_from: Sequence[Path] = (),
-) -> JsonObject:
-    """Return K of the whole stop with the controller in the loop, at the probability of [loop].
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KOfStops:
+    """K of the whole stop with the controller in the loop, with the names of the file of results.
 
-    Classes that the scenario names are imported from the folders `import_from`.
-
-    Returns:
+    Attributes:
         method: How it was determined.
         probability: That of a lower deceleration, of [loop].
         k: K; `low` and `high` are the ends of its interval.
@@ -330,6 +322,33 @@ def in_the_loop(
         samples: Number of stops.
         estimated_stops: Probability → number of stops that the same samples and runs need.
         seconds: `stop`, the median time of one on one core [s], and `new_stops`, the number of those that were run now.
+    """
+
+    method: str = "exact enumeration of failure states, subset simulation within each"
+    probability: float
+    k: float
+    low: float
+    high: float
+    quasi_static: Mapping[str, float]
+    states: int
+    neglected_probability: float
+    samples: int
+    estimated_stops: Mapping[str, int]
+    seconds: Mapping[str, float]
+
+
+def in_the_loop(
+    specification: KFactorSpecification,
+    scenario: Scenario,
+    brake: QuasiStaticBrake,
+    nominal_distance: float,
+    quasi_static: QuasiStatic,
+    work: Work,
+    import_from: Sequence[Path] = (),
+) -> KOfStops:
+    """Return K of the whole stop with the controller in the loop, at the probability of [loop].
+
+    Classes that the scenario names are imported from the folders `import_from`.
     """
     effort = specification.loop
     assert effort is not None, "requested before anything was run"
@@ -362,17 +381,18 @@ def in_the_loop(
         runs.append(rare.pool_samples(parts, [state.probability for state in states]))
     estimate = rare.estimates(quasi_static.runs[-1], [effort.probability], quasi_static.neglected)[0]
     found = rare.estimates(runs, [effort.probability], neglected)[0]
-    return {
-        "method": "exact enumeration of failure states, subset simulation within each",
-        "probability": effort.probability,
-        **plain(found),
-        "quasi_static": plain(estimate),
-        "states": len(states),
-        "neglected_probability": neglected,
-        "samples": len(seconds),
-        "estimated_stops": {f"{p:g}": cost for p, cost in costs.items()},
-        "seconds": {"stop": median(seconds), "new_stops": work.run_count - runs_before},
-    }
+    return KOfStops(
+        probability=effort.probability,
+        k=found.value,
+        low=found.low,
+        high=found.high,
+        quasi_static=plain(estimate),
+        states=len(states),
+        neglected_probability=neglected,
+        samples=len(seconds),
+        estimated_stops={f"{p:g}": cost for p, cost in costs.items()},
+        seconds={"stop": median(seconds), "new_stops": work.run_count - runs_before},
+    )
 
 
 def _stop(scenario: Scenario, import_from: Sequence[Path]) -> tuple[float | None, float]:

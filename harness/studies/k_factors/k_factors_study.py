@@ -27,6 +27,7 @@ from railgrip.simulate.named_models import plant_description
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.k_factors.k_dry import (
     KFactorSpecification,
+    KOfStops,
     QuasiStaticBrake,
     brake_of,
     in_the_loop,
@@ -173,7 +174,7 @@ def sentences(
     distance: float,
     method: str,
     result: QuasiStatic,
-    loop: JsonObject | None,
+    loop: KOfStops | None,
     workers: int,
 ) -> list[str]:
     """Return further remarks on the results; `distance` is that of the nominal train by another `method` [m]."""
@@ -186,13 +187,14 @@ def sentences(
         f"{result.neglected:.1e} together.",
     ]
     if loop is not None:
-        seconds, costs = loop["seconds"]["stop"], loop["estimated_stops"].items()
-        cost = [f"{p} {stops} stops, {stops * seconds / workers / 60:.0f} min" for p, stops in costs]
-        k = _text(loop["k"], loop["low"], loop["high"])
+        seconds = loop.seconds["stop"]
+        cost = [
+            f"{p} {stops} stops, {stops * seconds / workers / 60:.0f} min" for p, stops in loop.estimated_stops.items()
+        ]
         lines += [
-            f"With the controller in the loop: K = {k} at {loop['probability']:g}, quasi-static "
-            f"{_text(**loop['quasi_static'])}; {loop['samples']} stops, failure states sampled {loop['states']}, all "
-            f"others {loop['neglected_probability']:.1e}; a stop takes a core {seconds:.2f} s.",
+            f"With the controller in the loop: K = {_text(loop.k, loop.low, loop.high)} at {loop.probability:g}, "
+            f"quasi-static {_text(**loop.quasi_static)}; {loop.samples} stops, failure states sampled {loop.states}, "
+            f"all others {loop.neglected_probability:.1e}; a stop takes a core {seconds:.2f} s.",
             f"The same samples and runs for less likely decelerations, estimated for {workers} cores: "
             f"{'; '.join(cost)}. Intervals half as wide take four times as many.",
         ]
@@ -205,7 +207,7 @@ def content(
     brake: DispersedBrake,
     distance: float,
     result: QuasiStatic,
-    loop: JsonObject | None,
+    loop: KOfStops | None,
 ) -> JsonObject:
     """Return the file of results; the same specification gives the same file, except for `seconds`."""
     plant = None if isinstance(subject, Train) else plant_description(subject)
@@ -243,8 +245,8 @@ def content(
         "seconds": {"quasi_static": round(result.seconds, 2)},
     }
     if loop is not None:
-        results["loop"] = {name: value for name, value in loop.items() if name != "seconds"}
-        results["seconds"] |= loop["seconds"]
+        results["loop"] = {name: value for name, value in asdict(loop).items() if name != "seconds"}
+        results["seconds"] |= loop.seconds
     return results
 
 
