@@ -125,12 +125,9 @@ def stop_of(scenario, deceleration=1.0, outcome=Outcome.STANDSTILL, reason="the 
     trace = uniform_stop(scenario.start.speed, deceleration, period, scenario.estimator.kind != "none")
     trace["mu0"].values[:] = profile_of(scenario, TWO_PART_TRAIN).table(trace["time"].values, trace["distance"].values)
     trace = with_bound(trace, parabola, BRAKES, scenario.limits.alpha_max)
-    return Stop(
-        name=scenario.name,
-        inputs=scenario.resolved(),
-        digest=scenario.digest(),
-        parsed=scenario,
-        samples=trace,
+    return Stop.of(
+        scenario,
+        trace,
         outcome=outcome,
         reason=reason,
         metrics=measure(trace, outcome=outcome, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind),

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import isfinite, isnan, nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any, Self, cast
 
 import xarray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, create_model
@@ -194,6 +194,32 @@ class Stop:
     conditioning: RepeatedDistances | None = None
     parsed: Scenario | None = None
     samples: xarray.Dataset | None = None
+
+    @classmethod
+    def of(
+        cls,
+        scenario: Scenario,
+        trace: xarray.Dataset,
+        *,
+        outcome: Outcome,
+        reason: str,
+        metrics: Metrics,
+        versions: Mapping[str, str],
+        fmus: Mapping[str, str],
+    ) -> Self:
+        """Return the stop of a run of a scenario, with all samples, one each communication period."""
+        return cls(
+            name=scenario.name,
+            inputs=scenario.resolved(),
+            digest=scenario.digest(),
+            outcome=outcome,
+            reason=reason,
+            metrics=metrics,
+            versions=versions,
+            fmus=fmus,
+            parsed=scenario,
+            samples=trace,
+        )
 
     @property
     def scenario(self) -> Scenario:

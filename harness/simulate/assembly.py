@@ -272,12 +272,9 @@ def evaluate_stop(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus
     since = (
         "" if scenario.demand is None else f" {metrics.distance_travelled:.2f} m of that since the first brake demand."
     )
-    return Stop(
-        name=scenario.name,
-        inputs=scenario.resolved(),
-        digest=scenario.digest(),
-        parsed=scenario,
-        samples=trace,
+    return Stop.of(
+        scenario,
+        trace,
         outcome=ending.outcome,
         reason=ending.reason + since,
         metrics=metrics,
