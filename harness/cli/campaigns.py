@@ -142,8 +142,8 @@ def report(
     if write is not None:
         frame = frame_of(read_results(directory))
         tables = {f"{directory.name}, {name}": table for name, table in documentation_tables(frame).items()}
-        wanted = names_in(read_text(write))
-        chosen = {name: table for name, table in tables.items() if name in wanted} or tables
+        marked = names_in(read_text(write))
+        chosen = {name: table for name, table in tables.items() if name in marked} or tables
         write_tables(write, chosen)
         say(f"{write}: {'; '.join(chosen)}")
         return

@@ -68,6 +68,7 @@ def test_the_command_writes_figure_table_and_csv(files, tmp_path, command, monke
     assert float(rows[-1]["location_m"]) == pytest.approx(curves.to_pandas()["location_m"].iloc[-1], abs=1e-4)
     assert {row["limit"] for row in rows} == {"EBD", "EBI", "SBI2", "SBD", "SBI1", "W", "P", "I"}
     assert "Release speed" in end.out
+    assert "11.1111" in (out / "index.html").read_text(encoding="utf-8")  # V_NVREL as a reader may type it in again
     assert "MRSP 80 km/h at 1500 m" in page.read_text(encoding="utf-8")
     assert str(curves.table) in page.read_text(encoding="utf-8")
 

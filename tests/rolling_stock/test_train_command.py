@@ -37,15 +37,15 @@ def test_an_inconsistency_is_reported_with_file_and_key(railgrip, mine):
 
 
 @pytest.mark.parametrize(
-    ("wanted", "weak"),
+    ("strong", "weak"),
     [
         ('piston_area = "0.0324 m2"', 'piston_area = "0.00376 m2"'),
         ('pressure_max = "3.2 bar"', 'pressure_max = "0.371 bar"'),  # the force of the spring plus 1 N
     ],
 )
-def test_brakes_that_cannot_stop_a_train_are_reported_and_listed(railgrip, mine, wanted, weak, monkeypatch):
+def test_brakes_that_cannot_stop_a_train_are_reported_and_listed(railgrip, mine, strong, weak, monkeypatch):
     monkeypatch.setattr("railgrip.rolling_stock.stopping._STEP", 0.1)  # ten minutes in a tenth of the steps
-    replace(mine, ('rolling_arm = "0.4 mm"', "rolling_arm = 0"), (wanted, weak), ("0.0018", "1e-9"))
+    replace(mine, ('rolling_arm = "0.4 mm"', "rolling_arm = 0"), (strong, weak), ("0.0018", "1e-9"))
     code, _, err = railgrip("train", "check", "mine.toml")
     assert code == 2
     assert "mine.toml: [brakes]: by hand calculation the brakes do not stop mine from 120 km/h within 600 s; " in err
